@@ -1,0 +1,118 @@
+//! Every struct and constant shared with shaders, once.
+//!
+//! `build.rs` includes this file and serves [`glsl`] to the shader compiler as
+//! `#include "abi.glsl"`; the tests compare the offsets in the SPIR-V with `offset_of!`. The
+//! device uses scalar block layout, so `#[repr(C)]` of these field types is the same layout.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A type that may stand in a shared struct.
+pub trait GlslType {
+    /// Its name in GLSL.
+    const GLSL: &'static str;
+}
+
+macro_rules! glsl_types {
+    ($($t:ty => $name:literal),* $(,)?) => { $(impl GlslType for $t { const GLSL: &'static str = $name; })* };
+}
+glsl_types! {
+    f32 => "float", u32 => "uint", i32 => "int",
+    [f32; 2] => "vec2", [f32; 3] => "vec3", [f32; 4] => "vec4",
+    [u32; 2] => "uvec2", [u32; 3] => "uvec3", [u32; 4] => "uvec4",
+    [i32; 3] => "ivec3", [[f32; 4]; 4] => "mat4", [[f32; 3]; 4] => "mat4x3",
+}
+
+/// A struct's layout as the host sees it, for the comparison with SPIR-V.
+#[derive(Debug, Clone)]
+pub struct StructLayout {
+    /// Name in both languages.
+    pub name: &'static str,
+    /// `size_of`.
+    pub size: usize,
+    /// (field, offset) in order.
+    pub fields: Vec<(&'static str, usize)>,
+}
+
+/// Declares structs and constants for Rust and GLSL at once.
+///
+/// Constants are `u32`, `i32` or `f32`; structs hold [`GlslType`] fields only.
+macro_rules! abi {
+    (
+        constants { $( $(#[$cdoc:meta])* $cname:ident: $cty:ident = $cval:expr; )* }
+        structs { $( $(#[$sdoc:meta])* $sname:ident { $( $(#[$fdoc:meta])* $field:ident: $fty:ty ),* $(,)? } )* }
+    ) => {
+        $( $(#[$cdoc])* pub const $cname: $cty = $cval; )*
+        $(
+            $(#[$sdoc])*
+            #[repr(C)]
+            #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+            pub struct $sname { $( $(#[$fdoc])* pub $field: $fty ),* }
+        )*
+
+        /// The GLSL text of every constant and struct above.
+        #[must_use]
+        pub fn glsl() -> String {
+            let mut out = String::from("#ifndef ABI_GLSL\n#define ABI_GLSL\n");
+            $( out.push_str(&format!("const {} {} = {};\n",
+                <$cty as GlslType>::GLSL, stringify!($cname), GlslLiteral::literal(&$cname))); )*
+            $(
+                out.push_str(concat!("struct ", stringify!($sname), " {\n"));
+                $( out.push_str(&format!("    {} {};\n", <$fty as GlslType>::GLSL, stringify!($field))); )*
+                out.push_str("};\n");
+            )*
+            out.push_str("#endif\n");
+            out
+        }
+
+        /// Host layouts of every struct above.
+        #[must_use]
+        pub fn layouts() -> Vec<StructLayout> {
+            vec![$( StructLayout {
+                name: stringify!($sname),
+                size: size_of::<$sname>(),
+                fields: vec![$( (stringify!($field), std::mem::offset_of!($sname, $field)) ),*],
+            } ),*]
+        }
+    };
+}
+
+/// How a constant is written in GLSL.
+trait GlslLiteral {
+    fn literal(&self) -> String;
+}
+impl GlslLiteral for u32 {
+    fn literal(&self) -> String {
+        format!("{self}u")
+    }
+}
+impl GlslLiteral for i32 {
+    fn literal(&self) -> String {
+        format!("{self}")
+    }
+}
+impl GlslLiteral for f32 {
+    fn literal(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+abi! {
+    constants {
+        /// Invocations per group of one-dimensional kernels.
+        GROUP_1D: u32 = 64;
+    }
+    structs {
+        // ---- gpu ----
+
+        /// Push constants of `gpu/fill_sequence.comp`: the smallest kernel, which proves the path
+        /// from Rust to the device and back.
+        FillSequence {
+            /// Number of elements.
+            count: u32,
+            /// Value of element 0.
+            first: u32,
+            /// Difference between neighbours.
+            step: u32,
+        }
+    }
+}

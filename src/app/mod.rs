@@ -1,0 +1,3 @@
+//! The program: arguments, commands, progress, files.
+
+pub mod conform;

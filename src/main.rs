@@ -1,0 +1,2 @@
+//! The `umbrage` program.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Small mathematics shared by every room: packing, colour, bounds, statistics.

@@ -1,0 +1,185 @@
+//! A model flattened to triangles in one frame: what foliage, leaf, ink and render work on.
+//!
+//! World coordinates are f64; vertices are stored as f32 relative to [`Geometry::origin`], the
+//! centre of the bounding box, so that a tree at 5 000 000 m keeps its precision.
+
+use glam::{DVec3, Vec3};
+
+use super::model::Model;
+
+/// Triangles of all instances, relative to one origin.
+#[derive(Debug, Clone, Default)]
+pub struct Geometry {
+    /// World position of the frame's zero, metres.
+    pub origin: DVec3,
+    /// Position relative to `origin`, metres.
+    pub positions: Vec<Vec3>,
+    /// Unit normals as the model has them; made from faces (area-weighted) where it has none or
+    /// has a zero one.
+    pub normals: Vec<Vec3>,
+    /// `TEXCOORD_0`, zero where absent.
+    pub texcoords: Vec<[f32; 2]>,
+    /// Linear RGBA vertex colours, white where absent.
+    pub colors: Vec<[f32; 4]>,
+    /// Triangle list over all parts; indices are absolute.
+    pub indices: Vec<u32>,
+    /// Ranges of one primitive of one instance each, in order, covering everything.
+    pub parts: Vec<Part>,
+    /// Smallest corner relative to `origin`.
+    pub min: Vec3,
+    /// Largest corner relative to `origin`.
+    pub max: Vec3,
+    /// What was repaired, with counts (zero normals, zero-area triangles, missing normals).
+    pub warnings: Vec<String>,
+}
+
+/// One primitive of one instance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Part {
+    /// Index into [`Model::instances`].
+    pub instance: usize,
+    /// Index into [`Model::meshes`].
+    pub mesh: usize,
+    /// Index into the mesh's primitives.
+    pub primitive: usize,
+    /// Index into [`Model::materials`].
+    pub material: usize,
+    /// First vertex in [`Geometry::positions`].
+    pub first_vertex: usize,
+    /// Number of vertices.
+    pub vertex_count: usize,
+    /// First index in [`Geometry::indices`].
+    pub first_index: usize,
+    /// Number of indices.
+    pub index_count: usize,
+}
+
+impl Part {
+    /// Vertex range.
+    #[must_use]
+    pub fn vertices(&self) -> std::ops::Range<usize> {
+        self.first_vertex..self.first_vertex + self.vertex_count
+    }
+
+    /// Index range.
+    #[must_use]
+    pub fn index_range(&self) -> std::ops::Range<usize> {
+        self.first_index..self.first_index + self.index_count
+    }
+}
+
+impl Geometry {
+    /// Flattens every instance of `model`.
+    #[must_use]
+    pub fn flatten(model: &Model) -> Self {
+        let mut world: Vec<DVec3> = Vec::new();
+        let mut out = Self::default();
+        for (instance_index, instance) in model.instances.iter().enumerate() {
+            let to_world = instance.local_to_world;
+            let normal_matrix = to_world.matrix3.inverse().transpose();
+            let mirrored = to_world.matrix3.determinant() < 0.0;
+            for (primitive_index, p) in model.meshes[instance.mesh].primitives.iter().enumerate() {
+                let first_vertex = world.len();
+                let first_index = out.indices.len();
+                let n = p.positions.len();
+                world.extend(
+                    p.positions
+                        .iter()
+                        .map(|&q| to_world.transform_point3(Vec3::from(q).as_dvec3())),
+                );
+                if p.normals.is_empty() {
+                    out.normals.resize(first_vertex + n, Vec3::ZERO);
+                } else {
+                    out.normals.extend(p.normals.iter().map(|&v| {
+                        (normal_matrix * Vec3::from(v).as_dvec3())
+                            .normalize_or_zero()
+                            .as_vec3()
+                    }));
+                }
+                extend_or(&mut out.texcoords, &p.texcoords, n, [0.0; 2]);
+                extend_or(&mut out.colors, &p.colors, n, [1.0; 4]);
+                let base = u32::try_from(first_vertex).expect("fewer than 2^32 vertices");
+                for t in p.indices.chunks_exact(3) {
+                    // A mirroring transform turns triangles inside out; turn them back.
+                    let t = if mirrored {
+                        [t[0], t[2], t[1]]
+                    } else {
+                        [t[0], t[1], t[2]]
+                    };
+                    out.indices.extend(t.map(|i| base + i));
+                }
+                out.parts.push(Part {
+                    instance: instance_index,
+                    mesh: instance.mesh,
+                    primitive: primitive_index,
+                    material: p.material,
+                    first_vertex,
+                    vertex_count: n,
+                    first_index,
+                    index_count: out.indices.len() - first_index,
+                });
+            }
+        }
+        out.place(&world);
+        out.repair_normals();
+        out
+    }
+
+    /// Length of the bounding box's diagonal, metres.
+    #[must_use]
+    pub fn diagonal(&self) -> f32 {
+        (self.max - self.min).length()
+    }
+
+    fn place(&mut self, world: &[DVec3]) {
+        let (min, max) = world
+            .iter()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &q| {
+                (lo.min(q), hi.max(q))
+            });
+        if world.is_empty() {
+            return;
+        }
+        self.origin = 0.5 * (min + max);
+        self.positions = world.iter().map(|&q| (q - self.origin).as_vec3()).collect();
+        self.min = (min - self.origin).as_vec3();
+        self.max = (max - self.origin).as_vec3();
+    }
+
+    /// Gives vertices without a usable normal the area-weighted mean of their faces' normals.
+    fn repair_normals(&mut self) {
+        let bad: Vec<bool> = self.normals.iter().map(|n| *n == Vec3::ZERO).collect();
+        let count = bad.iter().filter(|&&b| b).count();
+        if count == 0 {
+            return;
+        }
+        let mut sums = vec![DVec3::ZERO; self.positions.len()];
+        for t in self.indices.chunks_exact(3) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| self.positions[i as usize].as_dvec3());
+            let n = (b - a).cross(c - a);
+            for &i in t {
+                sums[i as usize] += n;
+            }
+        }
+        let mut hopeless = 0usize;
+        for (i, normal) in self.normals.iter_mut().enumerate().filter(|(i, _)| bad[*i]) {
+            *normal = sums[i].normalize_or_zero().as_vec3();
+            if *normal == Vec3::ZERO {
+                *normal = Vec3::Y;
+                hopeless += 1;
+            }
+        }
+        self.warnings.push(format!(
+            "{count} vertices without a usable normal: {} made from their faces, {hopeless} set to +y",
+            count - hopeless
+        ));
+    }
+}
+
+fn extend_or<T: Copy>(out: &mut Vec<T>, data: &[T], n: usize, default: T) {
+    if data.is_empty() {
+        out.resize(out.len() + n, default);
+    } else {
+        out.extend_from_slice(data);
+    }
+}
