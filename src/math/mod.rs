@@ -1,1 +1,3 @@
 //! Small mathematics shared by every room: packing, colour, bounds, statistics.
+
+pub mod marching_cubes_table;
