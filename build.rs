@@ -18,6 +18,10 @@ use std::{env, fs};
 mod abi;
 
 // Debian's libshaderc and glslang are under-linked: name the static parts they leave out.
+#[allow(
+    clippy::duplicated_attributes,
+    reason = "every library is static: the lint takes the repeated kind for a mistake"
+)]
 #[cfg(feature = "system-shaderc")]
 #[link(name = "glslang", kind = "static")]
 #[link(name = "MachineIndependent", kind = "static")]

@@ -1,3 +1,15 @@
 //! The program: arguments, commands, progress, files.
 
+pub mod cli;
+pub mod command;
 pub mod conform;
+pub mod console;
+pub mod context;
+pub mod output;
+pub mod report;
+
+mod entry;
+
+pub use context::Context;
+pub use entry::run;
+pub use report::Report;

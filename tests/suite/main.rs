@@ -1,1 +1,9 @@
-//! Tests.
+//! Every integration test in one binary, so that the program is linked once.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that cannot go on fails where it stands"
+)]
+
+mod architecture;
+mod cli;

@@ -1,0 +1,91 @@
+//! What the user sees on stderr: messages, one-line errors, and progress of long work.
+
+use std::fmt::Display;
+use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use log::{Level, LevelFilter, Log, Metadata, Record};
+
+/// Interval of the spinner's redraw.
+const TICK: Duration = Duration::from_millis(100);
+
+/// The progress line; hidden by indicatif when stderr is not a terminal.
+static LINE: LazyLock<Mutex<Option<ProgressBar>>> = LazyLock::new(Mutex::default);
+
+/// Prints log records of this crate and of what it uses, warnings and errors plainly.
+struct Console;
+
+impl Log for Console {
+    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
+        metadata.level() <= log::max_level()
+    }
+
+    fn log(&self, record: &Record<'_>) {
+        if !self.enabled(record.metadata()) {
+            return;
+        }
+        let text = match record.level() {
+            Level::Error => format!("umbrage: {}", record.args()),
+            Level::Warn => format!("warning: {}", record.args()),
+            Level::Info => record.args().to_string(),
+            Level::Debug | Level::Trace => format!("{}: {}", record.target(), record.args()),
+        };
+        above_progress(&text);
+    }
+
+    fn flush(&self) {}
+}
+
+/// Sends log messages up to `level` to stderr.
+pub fn install(level: LevelFilter) {
+    if log::set_boxed_logger(Box::new(Console)).is_ok() {
+        log::set_max_level(level);
+    }
+}
+
+/// One line that says what is wrong.
+pub fn error(error: &dyn Display) {
+    let text = error.to_string();
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    above_progress(&format!("umbrage: {line}"));
+}
+
+/// Names the work under way; the line goes when the guard does.
+#[must_use]
+pub fn working(on: impl Display) -> Working {
+    let bar = ProgressBar::new_spinner().with_style(
+        ProgressStyle::with_template("{spinner} {msg} {elapsed}").expect("a valid template"),
+    );
+    bar.set_message(on.to_string());
+    bar.enable_steady_tick(TICK);
+    let before = line().replace(bar);
+    Working { before }
+}
+
+/// Keeps a progress line on the screen.
+#[derive(Debug)]
+pub struct Working {
+    before: Option<ProgressBar>,
+}
+
+impl Drop for Working {
+    fn drop(&mut self) {
+        let ended = std::mem::replace(&mut *line(), self.before.take());
+        if let Some(bar) = ended {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn above_progress(text: &str) {
+    let bar = line().clone();
+    match bar {
+        Some(bar) => bar.suspend(|| eprintln!("{text}")),
+        None => eprintln!("{text}"),
+    }
+}
+
+fn line() -> std::sync::MutexGuard<'static, Option<ProgressBar>> {
+    LINE.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,70 @@
+//! From the command line to an exit code.
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use clap::error::ErrorKind;
+
+use super::cli::{Cli, Command};
+use super::{Context, Report, command, console, output};
+use crate::Result;
+
+/// Exit code of a usage error, the same as that of wrong input.
+const USAGE: u8 = 2;
+
+/// Runs the program with `arguments` (the program's name first) and says how it went.
+///
+/// 0: done. 1: a check failed (`conform`). 2: wrong usage or input, with one line on stderr and
+/// no output file. 3: the device failed.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    console::install(cli.global.verbosity());
+    output::remove_on_interrupt();
+    let context = Context::new(cli.global);
+    let ran = dispatch(&context, &cli.command).and_then(|report| {
+        report.print(context.json())?;
+        Ok(report.succeeded())
+    });
+    match ran {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            console::error(&error);
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn dispatch(context: &Context, command: &Command) -> Result<Report> {
+    match command {
+        Command::Conform(args) => command::conform::run(context, args),
+    }
+}
+
+/// Prints help in full, and any other message of the parser as one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    if matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp
+            | ErrorKind::DisplayVersion
+            | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    ) {
+        // A closed pipe (`umbrage --help | head -1`) is the reader's choice, not a failure.
+        let _ = error.print();
+        return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(USAGE));
+    }
+    let text = error.to_string();
+    let message: Vec<&str> = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
+        .filter(|line| !line.is_empty())
+        .collect();
+    let message = message.join(" ");
+    console::error(&message.strip_prefix("error: ").unwrap_or(&message));
+    ExitCode::from(USAGE)
+}
