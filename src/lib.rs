@@ -17,6 +17,7 @@ pub mod app;
 pub mod error;
 pub mod gpu;
 pub mod math;
+pub mod reference;
 pub mod scene;
 
 pub use error::{Error, Result};

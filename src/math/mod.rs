@@ -1,3 +1,7 @@
 //! Small mathematics shared by every room: packing, colour, bounds, statistics.
 
+pub mod bvh;
+pub mod kd_tree;
 pub mod marching_cubes_table;
+pub mod sampling;
+pub mod stats;

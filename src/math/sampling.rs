@@ -1,0 +1,119 @@
+//! Directions, hashes and point sets for sampling. All are deterministic: seeds are arguments.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec2, DVec3};
+
+/// Integer hash with good avalanche (Jarzynski and Olano 2020, Hash Functions for GPU Rendering,
+/// `pcg`). The shaders' `pcg` is the same function.
+#[must_use]
+pub const fn pcg(value: u32) -> u32 {
+    let state = value.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
+/// The `index`-th number of the stream `seed`, uniform in \[0,1).
+#[must_use]
+pub fn uniform(seed: u32, index: u32) -> f64 {
+    f64::from(pcg(index ^ pcg(seed))) / 4_294_967_296.0
+}
+
+/// Point `index` of `count` of the Fibonacci sphere: nearly equal areas, no clustering at the
+/// poles (Swinbank and Purser 2006, Fibonacci grids). The pole of the set is +z.
+#[must_use]
+pub fn fibonacci_sphere(index: u32, count: u32) -> DVec3 {
+    let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
+    let z = 1.0 - (2.0 * f64::from(index) + 1.0) / f64::from(count);
+    let (sin, cos) = (golden_angle * f64::from(index)).sin_cos();
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    DVec3::new(radius * cos, radius * sin, z)
+}
+
+/// All `count` directions of [`fibonacci_sphere`].
+#[must_use]
+pub fn fibonacci_directions(count: u32) -> Vec<DVec3> {
+    (0..count).map(|i| fibonacci_sphere(i, count)).collect()
+}
+
+/// Uniform direction on the sphere from two uniform numbers.
+#[must_use]
+pub fn uniform_sphere(u: DVec2) -> DVec3 {
+    let z = 1.0 - 2.0 * u.x;
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    let (sin, cos) = (2.0 * PI * u.y).sin_cos();
+    DVec3::new(radius * cos, radius * sin, z)
+}
+
+/// Cosine-distributed direction about +z from two uniform numbers (Malley's method).
+#[must_use]
+pub fn cosine_hemisphere(u: DVec2) -> DVec3 {
+    let radius = u.x.sqrt();
+    let (sin, cos) = (2.0 * PI * u.y).sin_cos();
+    DVec3::new(radius * cos, radius * sin, (1.0 - u.x).max(0.0).sqrt())
+}
+
+/// Point `index` of a jittered `side` x `side` stratification of the unit square.
+#[must_use]
+pub fn stratified(index: u32, side: u32, seed: u32) -> DVec2 {
+    let cell = DVec2::new(f64::from(index % side), f64::from(index / side));
+    let jitter = DVec2::new(uniform(seed, 2 * index), uniform(seed, 2 * index + 1));
+    (cell + jitter) / f64::from(side)
+}
+
+/// Two unit vectors that complete `z` to a right-handed frame (Duff et al. 2017, Building an
+/// Orthonormal Basis, Revisited). Columns: x, y, z.
+#[must_use]
+pub fn frame(z: DVec3) -> DMat3 {
+    let sign = 1.0_f64.copysign(z.z);
+    let a = -1.0 / (sign + z.z);
+    let b = z.x * z.y * a;
+    DMat3::from_cols(
+        DVec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x),
+        DVec3::new(b, sign + z.y * z.y * a, -z.y),
+        z,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fibonacci_directions_are_unit_and_balanced() {
+        for count in [6, 16, 32, 257] {
+            let all = fibonacci_directions(count);
+            assert!(all.iter().all(|d| (d.length() - 1.0).abs() < 1e-12));
+            let mean = all.iter().sum::<DVec3>() / f64::from(count);
+            assert!(mean.length() < 1.0 / f64::from(count), "{count}: {mean}");
+        }
+    }
+
+    #[test]
+    fn strata_integrate_like_the_measure() {
+        let side = 32;
+        let n = f64::from(side * side);
+        let points: Vec<_> = (0..side * side).map(|i| stratified(i, side, 7)).collect();
+        let cosine: f64 = points.iter().map(|&u| cosine_hemisphere(u).z).sum::<f64>() / n;
+        assert!((cosine - 2.0 / 3.0).abs() < 2e-3, "mean cosine {cosine}");
+        let second: f64 = points
+            .iter()
+            .map(|&u| uniform_sphere(u).x.powi(2))
+            .sum::<f64>()
+            / n;
+        assert!((second - 1.0 / 3.0).abs() < 2e-3, "second moment {second}");
+    }
+
+    #[test]
+    fn frames_are_orthonormal_everywhere() {
+        for z in fibonacci_directions(64)
+            .into_iter()
+            .chain([DVec3::Z, DVec3::NEG_Z])
+        {
+            let m = frame(z);
+            let error = (m.transpose() * m - DMat3::IDENTITY).to_cols_array();
+            assert!(error.iter().all(|e| e.abs() < 1e-12), "{z}");
+            assert!(m.determinant() > 0.0);
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! CPU twins of the device kernels in f64, written to be compared with them: same helper names,
+//! same loop order, no Vulkan. They take the kernels' own f32 inputs, widened.
+
+pub mod ambient;
+pub mod density;
+pub mod encode;
+pub mod generators;
+pub mod marching_cubes;
+pub mod realign;
