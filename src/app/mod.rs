@@ -1,5 +1,6 @@
 //! The program: arguments, commands, progress, files.
 
+pub mod cache;
 pub mod cli;
 pub mod command;
 pub mod conform;

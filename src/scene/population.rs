@@ -1,0 +1,151 @@
+//! Several placed plants as one model, so that one density field covers them all: a small tree
+//! darkens beside a large one (Luft, Balzer, Deussen 2007, section 5).
+
+use std::ops::Range;
+
+use glam::DAffine3;
+
+use super::model::{Material, Model, TextureRef};
+
+/// A merged model and which of its instances came from which plant.
+#[derive(Debug, Clone, Default)]
+pub struct Population {
+    /// Everything, in world coordinates of the scene.
+    pub model: Model,
+    /// Range of [`Model::instances`] of each plant, in order.
+    pub instances: Vec<Range<usize>>,
+}
+
+impl Population {
+    /// Merges `plants`, each moved to its place.
+    #[must_use]
+    pub fn merge(name: &str, plants: &[(&Model, DAffine3)]) -> Self {
+        let mut out = Self::default();
+        out.model.name = name.to_owned();
+        for (plant, to_scene) in plants {
+            let first = out.model.instances.len();
+            append(&mut out.model, plant, to_scene);
+            out.instances.push(first..out.model.instances.len());
+        }
+        out
+    }
+}
+
+fn append(into: &mut Model, plant: &Model, to_scene: &DAffine3) {
+    let [meshes, materials, textures, images] = [
+        into.meshes.len(),
+        into.materials.len(),
+        into.textures.len(),
+        into.images.len(),
+    ];
+    into.images.extend_from_slice(&plant.images);
+    for texture in &plant.textures {
+        let mut texture = *texture;
+        texture.image += images;
+        into.textures.push(texture);
+    }
+    for material in &plant.materials {
+        let mut material = material.clone();
+        shift_textures(&mut material, textures);
+        into.materials.push(material);
+    }
+    for mesh in &plant.meshes {
+        let mut mesh = mesh.clone();
+        for primitive in &mut mesh.primitives {
+            primitive.material += materials;
+            // The merged model has no document of its own.
+            primitive.source = None;
+        }
+        into.meshes.push(mesh);
+    }
+    for instance in &plant.instances {
+        let mut instance = instance.clone();
+        instance.mesh += meshes;
+        instance.local_to_world = *to_scene * instance.local_to_world;
+        instance.source = None;
+        into.instances.push(instance);
+    }
+    for light in &plant.lights {
+        let mut light = *light;
+        light.position = to_scene.transform_point3(light.position);
+        light.direction = to_scene
+            .transform_vector3(light.direction)
+            .normalize_or(light.direction);
+        into.lights.push(light);
+    }
+    for warning in &plant.warnings {
+        into.warnings.push(format!("{}: {warning}", plant.name));
+    }
+}
+
+fn shift_textures(material: &mut Material, by: usize) {
+    let shift = |t: &mut TextureRef| t.texture += by;
+    if let Some(t) = &mut material.base_color_texture {
+        shift(t);
+    }
+    if let Some((t, _)) = &mut material.occlusion_texture {
+        shift(t);
+    }
+    if let Some(transmission) = &mut material.diffuse_transmission {
+        let own = [&mut transmission.texture, &mut transmission.color_texture];
+        own.into_iter().flatten().for_each(shift);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec3};
+
+    use super::*;
+    use crate::scene::{Geometry, Instance, Mesh, Primitive, Texture};
+
+    fn plant() -> Model {
+        let material = Material {
+            base_color_texture: Some(TextureRef::new(0)),
+            ..Material::default()
+        };
+        let primitive = Primitive {
+            positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            indices: vec![0, 1, 2],
+            source: Some((0, 0)),
+            ..Primitive::default()
+        };
+        Model {
+            name: "plant".into(),
+            meshes: vec![Mesh {
+                name: "mesh".into(),
+                primitives: vec![primitive],
+            }],
+            instances: vec![Instance {
+                name: "node".into(),
+                mesh: 0,
+                local_to_world: DAffine3::IDENTITY,
+                source: Some((0, None)),
+            }],
+            materials: vec![material],
+            textures: vec![Texture::default()],
+            images: vec![crate::scene::ImageSource::Rgba8 {
+                name: "image".into(),
+                width: 1,
+                height: 1,
+                pixels: [255; 4].as_slice().into(),
+            }],
+            ..Model::default()
+        }
+    }
+
+    #[test]
+    fn references_follow_their_plant() {
+        let plant = plant();
+        let away = DAffine3::from_translation(DVec3::new(10.0, 0.0, 0.0));
+        let two = Population::merge("two", &[(&plant, DAffine3::IDENTITY), (&plant, away)]);
+        assert_eq!(two.instances, [0..1, 1..2], "one instance each");
+        let second = &two.model.meshes[two.model.instances[1].mesh].primitives[0];
+        assert_eq!(second.material, 1, "the second plant's own material");
+        let texture = two.model.materials[1].base_color_texture.unwrap();
+        assert_eq!(two.model.textures[texture.texture].image, 1, "own image");
+        let geometry = Geometry::flatten(&two.model);
+        let gap = geometry.positions[3] - geometry.positions[0];
+        assert_eq!(gap, Vec3::new(10.0, 0.0, 0.0), "moved to its place");
+    }
+}
