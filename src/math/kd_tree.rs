@@ -1,5 +1,7 @@
 //! Nearest points by a balanced k-d tree stored in one permutation (Bentley 1975).
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 /// Points sorted so that every range's middle splits it along the longest side.
@@ -48,11 +50,12 @@ impl KdTree {
     #[must_use]
     pub fn nearest(&self, q: Vec3, count: usize) -> Vec<usize> {
         let mut best: Vec<(f32, u32)> = Vec::with_capacity(count + 1);
-        self.visit(q, count, 0, self.order.len(), &mut best);
+        self.visit(q, count, 0..self.order.len(), &mut best);
         best.into_iter().map(|(_, i)| i as usize).collect()
     }
 
-    fn visit(&self, q: Vec3, count: usize, start: usize, end: usize, best: &mut Vec<(f32, u32)>) {
+    fn visit(&self, q: Vec3, count: usize, range: Range<usize>, best: &mut Vec<(f32, u32)>) {
+        let Range { start, end } = range;
         if start >= end || count == 0 {
             return;
         }
@@ -68,13 +71,13 @@ impl KdTree {
         let axis = usize::from(self.axes[middle]);
         let offset = q[axis] - point[axis];
         let (near, far) = if offset < 0.0 {
-            ((start, middle), (middle + 1, end))
+            (start..middle, middle + 1..end)
         } else {
-            ((middle + 1, end), (start, middle))
+            (middle + 1..end, start..middle)
         };
-        self.visit(q, count, near.0, near.1, best);
+        self.visit(q, count, near, best);
         if best.len() < count || offset * offset <= best[best.len() - 1].0 {
-            self.visit(q, count, far.0, far.1, best);
+            self.visit(q, count, far, best);
         }
     }
 }

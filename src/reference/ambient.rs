@@ -16,7 +16,7 @@ pub struct Transfer {
     pub exponent: f64,
 }
 
-/// k_a of the density `d` = F(v) (Luft, Balzer, Deussen 2007, equation 4). With `d_min` <= 0 it
+/// `k_a` of the density `d` = F(v) (Luft, Balzer, Deussen 2007, equation 4). With `d_min` <= 0 it
 /// is a step.
 #[must_use]
 pub fn transfer(d: f64, t: &Transfer) -> f64 {

@@ -54,17 +54,17 @@ impl Norm {
     }
 }
 
-/// Integral over space of the Euclidean D_i with radius 1: 4 pi (1/3 - 2/5 + 1/7).
+/// Integral over space of the Euclidean `D_i` with radius 1: 4 pi (1/3 - 2/5 + 1/7).
 pub const KERNEL_VOLUME: f64 = 32.0 * std::f64::consts::PI / 105.0;
 
-/// D_i at the offset `d` from its generator (equation 2), without the weight.
+/// `D_i` at the offset `d` from its generator (equation 2), without the weight.
 #[must_use]
 pub fn kernel_density(d: DVec3, radius: f64, norm: Norm) -> f64 {
     let s = norm.length(d) / radius;
     if s < 1.0 { (1.0 - s * s).powi(2) } else { 0.0 }
 }
 
-/// grad D_i at the offset `d` from its generator.
+/// grad `D_i` at the offset `d` from its generator.
 #[must_use]
 pub fn kernel_gradient(d: DVec3, radius: f64, norm: Norm) -> DVec3 {
     let s = norm.length(d) / radius;
@@ -144,7 +144,7 @@ impl Bins {
     }
 }
 
-/// The sum of equation 3 before the threshold: D(q) = sum w_i D_i(q).
+/// The sum of equation 3 before the threshold: D(q) = sum `w_i` `D_i(q)`.
 #[derive(Debug, Clone)]
 pub struct Field {
     generators: Vec<Generator>,

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 /// Smallest coefficient of the length form: a zero vector has no direction.
 pub const SMALLEST_AMBIENT: f64 = 1.0 / 255.0;
 
-/// The paper's form (section 3.2): the normal scaled by k_a, which is clamped to
+/// The paper's form (section 3.2): the normal scaled by `k_a`, which is clamped to
 /// [`SMALLEST_AMBIENT`] from below.
 #[must_use]
 pub fn encode_length(normal: DVec3, ambient: f64) -> [f32; 3] {

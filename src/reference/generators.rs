@@ -6,12 +6,12 @@ use glam::DVec3;
 
 use crate::math::sampling;
 
-/// One generator p_i of the field.
+/// One generator `p_i` of the field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Generator {
     /// Centre of mass.
     pub position: DVec3,
-    /// Weight w_i: how many primitives it stands for (1 without a subset).
+    /// Weight `w_i`: how many primitives it stands for (1 without a subset).
     pub weight: f64,
     /// One-sided area of those primitives, in squared units of `position`.
     pub area: f64,
@@ -158,7 +158,7 @@ fn stratified_subset(all: &[Generator], fraction: f64, seed: u32) -> Vec<Generat
     if extent == 0.0 {
         return merge_voxels(all, |_| [0; 3]);
     }
-    let shift = DVec3::from([0, 1, 2].map(|axis| sampling::uniform(seed, axis)));
+    let shift = 0.5 * DVec3::from([0, 1, 2].map(|axis| sampling::uniform(seed, axis)));
     let voxel = |cell: f64| {
         move |g: &Generator| {
             ((g.position - min) / cell + shift)
@@ -166,7 +166,7 @@ fn stratified_subset(all: &[Generator], fraction: f64, seed: u32) -> Vec<Generat
                 .map(|c| c as i64)
         }
     };
-    // `coarse` always satisfies the target (one voxel per axis pair at most), `fine` need not.
+    // `coarse` begins as one voxel around everything and always satisfies the target.
     let (mut fine, mut coarse) = (extent / 4096.0, 2.0 * extent);
     for _ in 0..32 {
         let middle = (fine * coarse).sqrt();

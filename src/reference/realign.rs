@@ -213,7 +213,7 @@ pub fn open_normal(
     mean_direction(sum / directions.len() as f64)
 }
 
-/// N' = normalize((1-b) N + b N_s); opposite vectors fall back to N_s.
+/// N' = normalize((1-b) N + b `N_s`); opposite vectors fall back to `N_s`.
 #[must_use]
 pub fn blend(original: DVec3, realigned: DVec3, b: f64) -> DVec3 {
     mean_direction((1.0 - b) * original + b * realigned).unwrap_or(realigned)

@@ -7,3 +7,7 @@
 
 mod architecture;
 mod cli;
+mod foliage_encode;
+mod foliage_field;
+mod foliage_realign;
+mod foliage_surface;
