@@ -15,6 +15,7 @@
 pub mod abi;
 pub mod app;
 pub mod error;
+pub mod foliage;
 pub mod gpu;
 pub mod math;
 pub mod reference;
