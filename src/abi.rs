@@ -100,6 +100,36 @@ abi! {
     constants {
         /// Invocations per group of one-dimensional kernels.
         GROUP_1D: u32 = 64;
+
+        // ---- foliage ----
+
+        /// Values that one invocation of the scan adds up.
+        SCAN_CHUNK: u32 = 256;
+        /// Invocations that share one tile of nodes or block of queries; each takes every
+        /// `FIELD_SLOTS`-th generator.
+        FIELD_SLOTS: u32 = 8;
+        /// Tiles or blocks of one group (`GROUP_1D / FIELD_SLOTS`).
+        FIELD_TILES: u32 = 8;
+        /// Nodes of a tile along each axis of the density grid.
+        TILE_SIDE: u32 = 4;
+        /// Nodes of a tile.
+        TILE_NODES: u32 = 64;
+        /// Queries of a block of the field kernel.
+        BLOCK_QUERIES: u32 = 16;
+        /// Bits of a generator's index that select its column in the generator image.
+        GENERATOR_COLUMN_BITS: u32 = 10;
+        /// Culling is this much wider than the support, against rounding of bins.
+        CULL_MARGIN: f32 = 1e-5;
+        /// Vector norms of equation 2, in the order of `foliage::Norm`.
+        NORM_EUCLIDEAN: u32 = 0;
+        /// L1.
+        NORM_MANHATTAN: u32 = 1;
+        /// L-infinity.
+        NORM_MAXIMUM: u32 = 2;
+        /// Below this |grad D| times the radius the gradient has no direction.
+        GRADIENT_FLOOR: f32 = 1e-3;
+        /// Below this length a mean of unit vectors has no direction.
+        OPPOSITE_FLOOR: f32 = 1e-3;
     }
     structs {
         // ---- gpu ----
@@ -113,6 +143,70 @@ abi! {
             first: u32,
             /// Difference between neighbours.
             step: u32,
+        }
+
+        // ---- foliage ----
+
+        /// Push constants of `foliage/generators.comp`.
+        LeafCentres {
+            /// Leaves.
+            count: u32,
+        }
+
+        /// Push constants of `foliage/scan_sums.comp` and `foliage/scan_apply.comp`.
+        Scan {
+            /// Values to add up.
+            count: u32,
+            /// Whether `scan_apply` adds the scanned chunk sums of `bases`.
+            has_bases: u32,
+        }
+
+        /// Push constants of the kernels that sort points into bins.
+        BinPoints {
+            /// Corner of bin (0,0,0).
+            origin: [f32; 3],
+            /// 1 / edge of a bin.
+            inverse_edge: f32,
+            /// Bins per axis.
+            bins: [u32; 3],
+            /// Points.
+            count: u32,
+            /// 0: bins in rows, x fastest; 1: bins in Morton order.
+            morton: u32,
+            /// 0: generators weigh what they stand for; otherwise their area times this.
+            area_scale: f32,
+        }
+
+        /// Push constants of `foliage/density.comp`.
+        DensityGrid {
+            /// Position of node (0,0,0).
+            origin: [f32; 3],
+            /// Cell size.
+            cell: f32,
+            /// Nodes per axis.
+            nodes: [u32; 3],
+            /// Radius of influence.
+            radius: f32,
+            /// Corner of bin (0,0,0).
+            bin_origin: [f32; 3],
+            /// Edge of a bin.
+            bin_edge: f32,
+            /// Bins per axis.
+            bins: [u32; 3],
+        }
+
+        /// Push constants of `foliage/field.comp`.
+        FieldQueries {
+            /// Corner of bin (0,0,0).
+            bin_origin: [f32; 3],
+            /// Edge of a bin.
+            bin_edge: f32,
+            /// Bins per axis.
+            bins: [u32; 3],
+            /// Radius of influence.
+            radius: f32,
+            /// Queries.
+            count: u32,
         }
     }
 }
