@@ -19,6 +19,7 @@ pub mod foliage;
 pub mod gpu;
 pub mod math;
 pub mod reference;
+pub mod render;
 pub mod scene;
 
 pub use error::{Error, Result};

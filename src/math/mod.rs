@@ -5,3 +5,5 @@ pub mod kd_tree;
 pub mod marching_cubes_table;
 pub mod sampling;
 pub mod stats;
+pub mod colour;
+pub mod packing;

@@ -1,12 +1,16 @@
 //! What is drawn: models, their materials, and the files they come from.
 
+pub mod camera;
 pub mod geometry;
 pub mod gltf_document;
+pub mod light;
 pub mod model;
 pub mod population;
 pub mod scene_file;
 
+pub use camera::{Camera, CameraSpec, Lens, LightView};
 pub use geometry::{Geometry, Part};
+pub use light::{Sky, Sun};
 pub use model::*;
 pub use population::Population;
 pub use scene_file::SceneFile;

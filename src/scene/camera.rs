@@ -1,0 +1,325 @@
+//! Where the picture is taken from. The only file that builds view and projection matrices.
+
+use glam::dcamera::rh::{proj, view};
+use glam::{DMat4, DVec3, Mat4, Vec3};
+
+use super::light::spherical;
+use crate::{Error, Result};
+
+/// A perspective camera in world coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// World metres.
+    pub eye: DVec3,
+    /// Unit direction of view.
+    pub forward: DVec3,
+    /// Vertical field of view, degrees, in (0, 180).
+    pub fov: f64,
+    /// Width over height.
+    pub aspect: f64,
+    /// Distance of the near plane, metres, above 0. There is no far plane.
+    pub near: f64,
+}
+
+/// How the camera is chosen; what `--camera` says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CameraSpec {
+    /// Frames the whole subject as seen from a direction: azimuth and elevation of the camera in
+    /// degrees (as [`spherical`]) and a factor on the framed distance (1 = tight).
+    Orbit {
+        /// Degrees from +z towards +x.
+        azimuth: f64,
+        /// Degrees above the horizon.
+        elevation: f64,
+        /// Factor on the distance that frames the subject.
+        distance: f64,
+    },
+    /// Eye and point looked at, world metres.
+    LookAt {
+        /// World position of the eye.
+        eye: DVec3,
+        /// World position that appears at the centre of the picture.
+        target: DVec3,
+    },
+}
+
+impl Default for CameraSpec {
+    /// A slightly low three-quarter view.
+    fn default() -> Self {
+        Self::Orbit {
+            azimuth: 25.0,
+            elevation: 7.0,
+            distance: 1.0,
+        }
+    }
+}
+
+impl std::str::FromStr for CameraSpec {
+    type Err = Error;
+
+    /// `azimuth,elevation[,distance]` in degrees, or `ex,ey,ez/tx,ty,tz` in metres.
+    fn from_str(text: &str) -> Result<Self> {
+        let wrong = || {
+            Error::usage(format!(
+                "camera `{text}`: expected AZIMUTH,ELEVATION[,DISTANCE] in degrees or EX,EY,EZ/TX,TY,TZ in metres"
+            ))
+        };
+        let numbers = |part: &str| -> Result<Vec<f64>> {
+            part.split(',')
+                .map(|n| n.trim().parse::<f64>().ok().filter(|v| v.is_finite()))
+                .collect::<Option<_>>()
+                .ok_or_else(wrong)
+        };
+        if let Some((eye, target)) = text.split_once('/') {
+            return match (&numbers(eye)?[..], &numbers(target)?[..]) {
+                (&[ex, ey, ez], &[tx, ty, tz]) if [ex, ey, ez] != [tx, ty, tz] => {
+                    Ok(Self::LookAt {
+                        eye: DVec3::new(ex, ey, ez),
+                        target: DVec3::new(tx, ty, tz),
+                    })
+                }
+                _ => Err(wrong()),
+            };
+        }
+        let (azimuth, elevation, distance) = match numbers(text)?[..] {
+            [a, e] => (a, e, 1.0),
+            [a, e, d] => (a, e, d),
+            _ => return Err(wrong()),
+        };
+        if !(-90.0..=90.0).contains(&elevation) || distance <= 0.0 {
+            return Err(wrong());
+        }
+        Ok(Self::Orbit {
+            azimuth,
+            elevation,
+            distance,
+        })
+    }
+}
+
+impl std::fmt::Display for CameraSpec {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Orbit {
+                azimuth,
+                elevation,
+                distance,
+            } => write!(f, "{azimuth},{elevation},{distance}"),
+            Self::LookAt { eye: e, target: t } => {
+                write!(f, "{},{},{}/{},{},{}", e.x, e.y, e.z, t.x, t.y, t.z)
+            }
+        }
+    }
+}
+
+/// Basis of a direction of view: right, up, backward (unit, right-handed). Looking straight up or
+/// down, the top of the picture is -z or +z.
+fn basis(forward: DVec3) -> [DVec3; 3] {
+    let up_hint = if forward.y.abs() > 0.999_999 {
+        DVec3::Z * forward.y.signum()
+    } else {
+        DVec3::Y
+    };
+    let right = forward.cross(up_hint).normalize();
+    [right, right.cross(forward), -forward]
+}
+
+impl Camera {
+    /// The camera that `spec` describes for a subject given by `points` (relative to `origin`).
+    /// `margin` is the free share of the picture on every side, in \[0, 0.45\].
+    #[must_use]
+    pub fn new(
+        spec: &CameraSpec,
+        lens: Lens,
+        origin: DVec3,
+        points: impl Iterator<Item = Vec3> + Clone,
+    ) -> Self {
+        match *spec {
+            CameraSpec::LookAt { eye, target } => {
+                let forward = (target - eye).normalize_or(DVec3::NEG_Z);
+                let reach = points
+                    .map(|p| (origin + p.as_dvec3() - eye).length())
+                    .fold(eye.distance(target), f64::max);
+                Self {
+                    eye,
+                    forward,
+                    fov: lens.fov,
+                    aspect: lens.aspect,
+                    near: reach * NEAR_SHARE,
+                }
+            }
+            CameraSpec::Orbit {
+                azimuth,
+                elevation,
+                distance,
+            } => Self::frame(
+                -spherical(azimuth, elevation),
+                distance,
+                lens,
+                origin,
+                points,
+            ),
+        }
+    }
+
+    /// Moves back along `-forward` until every point is inside the picture: the smallest pyramid
+    /// with the given opening around the points, found in closed form (each side plane is pushed
+    /// to its extreme point, opposite planes meet at the eye).
+    fn frame(
+        forward: DVec3,
+        distance: f64,
+        lens: Lens,
+        origin: DVec3,
+        points: impl Iterator<Item = Vec3> + Clone,
+    ) -> Self {
+        let [right, up, back] = basis(forward);
+        let tan_y = (0.5 * lens.fov.to_radians()).tan() * (1.0 - 2.0 * lens.margin);
+        let tan_x = tan_y * lens.aspect;
+        // Support of the four side planes and of the view axis.
+        let mut support = [f64::NEG_INFINITY; 4];
+        let (mut nearest, mut farthest) = (f64::NEG_INFINITY, f64::INFINITY);
+        for p in points {
+            let p = p.as_dvec3();
+            let (x, y, z) = (right.dot(p), up.dot(p), back.dot(p));
+            let planes = [x + tan_x * z, -x + tan_x * z, y + tan_y * z, -y + tan_y * z];
+            for (s, v) in support.iter_mut().zip(planes) {
+                *s = s.max(v);
+            }
+            nearest = nearest.max(z);
+            farthest = farthest.min(z);
+        }
+        if !nearest.is_finite() {
+            // Nothing to frame: any camera will do.
+            return Self {
+                eye: origin + back,
+                forward,
+                fov: lens.fov,
+                aspect: lens.aspect,
+                near: NEAR_SHARE,
+            };
+        }
+        let x = 0.5 * (support[0] - support[1]);
+        let y = 0.5 * (support[2] - support[3]);
+        let tight = f64::max(
+            0.5 * (support[0] + support[1]) / tan_x,
+            0.5 * (support[2] + support[3]) / tan_y,
+        );
+        let middle = 0.5 * (nearest + farthest);
+        // A single point, or a flat subject seen edge-on, still needs some distance.
+        let smallest = nearest + 1e-3 * f64::max(nearest - farthest, 1e-6);
+        let z = (middle + (tight.max(smallest) - middle) * distance).max(smallest);
+        Self {
+            eye: origin + right * x + up * y + back * z,
+            forward,
+            fov: lens.fov,
+            aspect: lens.aspect,
+            near: (z - farthest) * NEAR_SHARE,
+        }
+    }
+
+    /// Right, up and backward unit vectors.
+    #[must_use]
+    pub fn basis(&self) -> [DVec3; 3] {
+        basis(self.forward)
+    }
+
+    /// Clip from positions relative to `origin`. The large parts (origin minus eye) cancel in f64
+    /// before anything becomes f32. Depth is reversed: 1 at the near plane, 0 at infinity.
+    #[must_use]
+    pub fn relative_to_clip(&self, origin: DVec3) -> Mat4 {
+        let [_, up, _] = self.basis();
+        let rotation = view::look_to_mat4(DVec3::ZERO, self.forward, up);
+        let to_view = rotation * DMat4::from_translation(origin - self.eye);
+        let to_clip = proj::vulkan::perspective_infinite_reverse(
+            self.fov.to_radians(),
+            self.aspect,
+            self.near,
+        );
+        (to_clip * to_view).as_mat4()
+    }
+
+    /// Tangents of the half-angles of the picture, horizontal and vertical.
+    #[must_use]
+    pub fn half_extent(&self) -> [f64; 2] {
+        let tan_y = (0.5 * self.fov.to_radians()).tan();
+        [tan_y * self.aspect, tan_y]
+    }
+
+    /// Position in the picture, \[0,1\]^2 from the top left, and linear eye depth in metres.
+    #[must_use]
+    pub fn project(&self, world: DVec3) -> (DVec3, f64) {
+        let [right, up, _] = self.basis();
+        let d = world - self.eye;
+        let depth = self.forward.dot(d);
+        let [tan_x, tan_y] = self.half_extent();
+        let x = right.dot(d) / (depth * tan_x);
+        let y = up.dot(d) / (depth * tan_y);
+        (DVec3::new(0.5 + 0.5 * x, 0.5 - 0.5 * y, 0.0), depth)
+    }
+}
+
+/// Share of the subject's farthest distance at which the near plane stands.
+const NEAR_SHARE: f64 = 1e-3;
+
+/// Opening of the camera and shape of the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    /// Vertical field of view, degrees.
+    pub fov: f64,
+    /// Width over height.
+    pub aspect: f64,
+    /// Free share of the picture on every side when the subject is framed, in \[0, 0.45\].
+    pub margin: f64,
+}
+
+/// Orthographic projection along a light: clip from positions relative to an origin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightView {
+    /// Relative position to clip; reversed depth: 1 nearest the light, 0 farthest.
+    pub relative_to_clip: Mat4,
+    /// Extent of the map across, metres: width, height.
+    pub extent: [f32; 2],
+    /// Extent along the light, metres.
+    pub range: f32,
+}
+
+impl LightView {
+    /// The tightest box along `to_light` around `points`, widened by `border` texels of a map of
+    /// `size` texels so that a filter never reads outside.
+    #[must_use]
+    pub fn fit(
+        to_light: DVec3,
+        points: impl Iterator<Item = Vec3>,
+        size: u32,
+        border: u32,
+    ) -> Self {
+        let [right, up, back] = basis(-to_light);
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for p in points {
+            let p = p.as_dvec3();
+            let q = DVec3::new(right.dot(p), up.dot(p), back.dot(p));
+            min = min.min(q);
+            max = max.max(q);
+        }
+        if !min.is_finite() {
+            (min, max) = (DVec3::splat(-0.5), DVec3::splat(0.5));
+        }
+        let grow = f64::from(size) / f64::from(size.saturating_sub(2 * border).max(1));
+        let centre = 0.5 * (min + max);
+        // A subject without thickness along an axis still needs a box.
+        let floor = 1e-6 * (max - min).max_element().max(1e-6);
+        let mut half = (0.5 * (max - min)).max(DVec3::splat(floor));
+        half.x *= grow;
+        half.y *= grow;
+        // The nearest and farthest casters keep away from the ends of the depth range.
+        half.z *= 1.002;
+        let rotation = view::look_to_mat4(DVec3::ZERO, -to_light, up);
+        let (lo, hi) = (centre - half, centre + half);
+        let projection = proj::vulkan::orthographic(lo.x, hi.x, lo.y, hi.y, -hi.z, -lo.z);
+        Self {
+            relative_to_clip: (projection * rotation).as_mat4(),
+            extent: [(2.0 * half.x) as f32, (2.0 * half.y) as f32],
+            range: (2.0 * half.z) as f32,
+        }
+    }
+}
