@@ -1,9 +1,9 @@
 //! Small mathematics shared by every room: packing, colour, bounds, statistics.
 
 pub mod bvh;
+pub mod colour;
 pub mod kd_tree;
 pub mod marching_cubes_table;
+pub mod packing;
 pub mod sampling;
 pub mod stats;
-pub mod colour;
-pub mod packing;
