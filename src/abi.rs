@@ -130,6 +130,7 @@ abi! {
         GRADIENT_FLOOR: f32 = 1e-3;
         /// Below this length a mean of unit vectors has no direction.
         OPPOSITE_FLOOR: f32 = 1e-3;
+
         // ---- render ----
 
         /// Vertex form of normals: octahedral 2 x snorm16 and unorm16 ambient, 2 words.
@@ -233,6 +234,9 @@ abi! {
             /// Radius of influence.
             radius: f32,
             /// Queries.
+            count: u32,
+        }
+
         // ---- render ----
 
         /// Everything that is the same for a whole view. Positions and directions are in the
