@@ -61,6 +61,15 @@ pub fn stratified(index: u32, side: u32, seed: u32) -> DVec2 {
     (cell + jitter) / f64::from(side)
 }
 
+/// Point `index` of a sequence that fills the unit square evenly at every length (Roberts 2018,
+/// The Unreasonable Effectiveness of Quasirandom Sequences: R2).
+#[must_use]
+pub fn r2(index: u32) -> DVec2 {
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let step = DVec2::new(1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC));
+    (0.5 + f64::from(index) * step).fract()
+}
+
 /// Two unit vectors that complete `z` to a right-handed frame (Duff et al. 2017, Building an
 /// Orthonormal Basis, Revisited). Columns: x, y, z.
 #[must_use]
@@ -102,6 +111,19 @@ mod tests {
             .sum::<f64>()
             / n;
         assert!((second - 1.0 / 3.0).abs() < 2e-3, "second moment {second}");
+    }
+
+    #[test]
+    fn r2_integrates_better_than_chance() {
+        let error = (0..100)
+            .map(r2)
+            .map(|u| (1.0 - (2.0 * u - 1.0).length_squared()).max(0.0).sqrt() / 100.0)
+            .sum::<f64>()
+            - PI / 6.0;
+        assert!(
+            error.abs() < 0.01,
+            "a half ball over the square, off by {error}"
+        );
     }
 
     #[test]
