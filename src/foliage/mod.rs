@@ -3,6 +3,7 @@
 pub mod settings;
 pub mod split;
 pub mod table;
+pub mod traced;
 
 pub use settings::{
     AmbientMode, BackFaces, Encoding, Norm, NormalsMode, Primitive, Sampling, Settings,

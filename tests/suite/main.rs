@@ -11,3 +11,4 @@ mod foliage_encode;
 mod foliage_field;
 mod foliage_realign;
 mod foliage_surface;
+mod foliage_traced;
