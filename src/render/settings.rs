@@ -291,7 +291,8 @@ pub const SETTINGS: &[SettingInfo] = &[
         },
     },
     SettingInfo {
-        name: "ambient",
+        // Not `ambient`: that is how the foliage's coefficient is computed.
+        name: "ambient-light",
         unit: "sky|R,G,B|#rrggbb",
         help: "Ambient intensity I_a: a sky over the ground, or the paper's constant",
         get: |s| {
