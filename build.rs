@@ -23,6 +23,10 @@ mod abi;
     reason = "every library is static: the lint takes the repeated kind for a mistake"
 )]
 #[cfg(feature = "system-shaderc")]
+#[allow(
+    clippy::duplicated_attributes,
+    reason = "one link attribute per library"
+)]
 #[link(name = "glslang", kind = "static")]
 #[link(name = "MachineIndependent", kind = "static")]
 #[link(name = "GenericCodeGen", kind = "static")]
@@ -50,6 +54,7 @@ fn main() {
     let compiler = shaderc::Compiler::new().expect("the shader compiler starts");
     let mut modules: BTreeMap<String, String> = BTreeMap::new();
     let mut failures = Vec::new();
+    let mut all = String::new();
     for source in &sources {
         let relative = source
             .strip_prefix(&root)
@@ -72,6 +77,7 @@ fn main() {
                     .to_string_lossy()
                     .into_owned();
                 let constant = file.replace(['.', '-'], "_").to_uppercase();
+                let _ = write!(all, "{module}::{constant}, ");
                 let _ = writeln!(
                     modules.entry(module).or_default(),
                     "    /// `shaders/{name}`\n    pub const {constant}: Shader = Shader {{ name: {name:?}, spirv: include_bytes!({binary:?}) }};"
@@ -93,6 +99,10 @@ fn main() {
             "/// Shaders of `shaders/{module}`.\npub mod {module} {{\n    use super::Shader;\n{body}}}"
         );
     }
+    let _ = writeln!(
+        text,
+        "/// All of them.\npub const ALL: &[Shader] = &[{all}];"
+    );
     fs::write(out.join("shaders.rs"), text).expect("OUT_DIR is writable");
 }
 

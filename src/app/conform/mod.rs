@@ -3,6 +3,8 @@
 //! A case lives in one file per room (`gpu`, `foliage`, `render`); the test suite runs the same
 //! cases, so `umbrage conform` and the tests cannot drift apart.
 
+mod gpu;
+
 use crate::Result;
 use crate::gpu::Gpu;
 
@@ -37,5 +39,5 @@ impl Outcome {
 /// Every case of every room, in the order they are run.
 #[must_use]
 pub fn cases() -> Vec<Case> {
-    Vec::new()
+    gpu::cases()
 }
