@@ -138,6 +138,8 @@ fn compile(compiler: &shaderc::Compiler, root: &Path, source: &Path) -> Result<V
         shaderc::TargetEnv::Vulkan,
         shaderc::EnvVersion::Vulkan1_3 as u32,
     );
+    // SPIR-V 1.6 would give group sizes by id, which older tools do not read.
+    options.set_target_spirv(shaderc::SpirvVersion::V1_5);
     options.set_optimization_level(shaderc::OptimizationLevel::Performance);
     options.set_warnings_as_errors();
     // Names stay in the SPIR-V, so that reflection and the layout test can speak of them.

@@ -387,5 +387,17 @@ abi! {
             /// Number of probes.
             count: u32,
         }
+
+        /// Push constants of `gpu/square.{vert,frag}`: the smallest picture.
+        Square {
+            /// Lower corner in clip space.
+            min: [f32; 2],
+            /// Upper corner in clip space.
+            max: [f32; 2],
+            /// Linear RGBA.
+            color: [f32; 4],
+            /// Reversed depth: 1 is nearest.
+            depth: f32,
+        }
     }
 }

@@ -342,6 +342,7 @@ fn missing_features(
     let required = [
         (v13.dynamic_rendering, "dynamicRendering"),
         (v13.synchronization2, "synchronization2"),
+        (v13.maintenance4, "maintenance4"),
         (v12.timeline_semaphore, "timelineSemaphore"),
         (v12.scalar_block_layout, "scalarBlockLayout"),
         (independent_blend, "independentBlend"),
@@ -454,7 +455,8 @@ fn create_device(
         .scalar_block_layout(true);
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default()
         .dynamic_rendering(true)
-        .synchronization2(true);
+        .synchronization2(true)
+        .maintenance4(true);
     let slots = plan.slots();
     let priorities = vec![1.0f32; slots.len()];
     let mut families: Vec<(u32, usize)> = Vec::new();

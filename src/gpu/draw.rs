@@ -285,7 +285,7 @@ impl Draws<'_> {
                     indices.start,
                     0,
                     0,
-                )
+                );
             };
         }
         Ok(())
@@ -301,7 +301,7 @@ impl Draws<'_> {
             self.gpu
                 .inner
                 .device
-                .cmd_draw(self.work.cmd, vertices, instances, 0, 0)
+                .cmd_draw(self.work.cmd, vertices, instances, 0, 0);
         };
         Ok(())
     }

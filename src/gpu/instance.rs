@@ -100,10 +100,10 @@ impl Drop for Instance {
         // SAFETY: the device and all its objects are gone (it holds this instance), and the
         // messenger was made from this instance.
         unsafe {
-            if let Some(debug) = &self.debug {
-                if self.messenger != vk::DebugUtilsMessengerEXT::null() {
-                    debug.destroy_debug_utils_messenger(self.messenger, None);
-                }
+            if let Some(debug) = &self.debug
+                && self.messenger != vk::DebugUtilsMessengerEXT::null()
+            {
+                debug.destroy_debug_utils_messenger(self.messenger, None);
             }
             self.raw.destroy_instance(None);
         }

@@ -98,10 +98,9 @@ impl Memory {
             .lock()
             .expect("the allocator does not panic")
             .as_mut()
+            && let Err(e) = allocator.free(block.allocation)
         {
-            if let Err(e) = allocator.free(block.allocation) {
-                log::error!("freeing device memory: {e}");
-            }
+            log::error!("freeing device memory: {e}");
         }
         let mut book = self.book.lock().expect("plain data");
         if let Some((_, bytes)) = book.live.remove(&block.id) {

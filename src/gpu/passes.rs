@@ -63,7 +63,7 @@ impl Work {
                     .gpu
                     .inner
                     .device
-                    .cmd_dispatch(self.cmd, x, y, z)
+                    .cmd_dispatch(self.cmd, x, y, z);
             };
         }
         self.end_pass();
@@ -90,7 +90,7 @@ impl Work {
                 self.cmd,
                 arguments.inner.raw,
                 offset,
-            )
+            );
         };
         self.end_pass();
         Ok(())
@@ -155,7 +155,7 @@ impl Work {
             let device = &self.recorded.gpu.inner.device;
             // SAFETY: the range is the one of the layout.
             unsafe {
-                device.cmd_push_constants(self.cmd, pipeline.layout, pipeline.stages, 0, bytes)
+                device.cmd_push_constants(self.cmd, pipeline.layout, pipeline.stages, 0, bytes);
             };
         }
     }
@@ -174,7 +174,7 @@ impl Work {
                 0,
                 vk::WHOLE_SIZE,
                 word,
-            )
+            );
         };
         self.end_pass();
         Ok(())

@@ -72,6 +72,8 @@ struct Module {
     constants: BTreeMap<u32, u32>,
     variables: Vec<(u32, u32, u32)>,
     local_size: Option<[u32; 3]>,
+    /// Ids of the constants, where the size is given by named constants.
+    local_size_ids: Option<[u32; 3]>,
 }
 
 mod op {
@@ -92,8 +94,10 @@ mod op {
     pub(super) const VARIABLE: u32 = 59;
     pub(super) const DECORATE: u32 = 71;
     pub(super) const MEMBER_DECORATE: u32 = 72;
+    pub(super) const EXECUTION_MODE_ID: u32 = 331;
 }
 const LOCAL_SIZE: u32 = 17;
+const LOCAL_SIZE_ID: u32 = 38;
 const DECORATION_ARRAY_STRIDE: u32 = 6;
 const DECORATION_MATRIX_STRIDE: u32 = 7;
 const DECORATION_BINDING: u32 = 33;
@@ -128,7 +132,7 @@ impl Reflection {
             .unwrap_or(0);
         Self {
             bindings,
-            local_size: module.local_size.unwrap_or([1; 3]),
+            local_size: module.local_size(),
             push_bytes,
             structs: module.structs(),
         }
@@ -164,6 +168,9 @@ impl Module {
             op::NAME => drop(self.names.insert(a[0], text(&a[1..]))),
             op::MEMBER_NAME => drop(self.member_names.insert((a[0], a[1]), text(&a[2..]))),
             op::EXECUTION_MODE if a[1] == LOCAL_SIZE => self.local_size = Some([a[2], a[3], a[4]]),
+            op::EXECUTION_MODE_ID if a[1] == LOCAL_SIZE_ID => {
+                self.local_size_ids = Some([a[2], a[3], a[4]]);
+            }
             op::TYPE_INT..=op::TYPE_POINTER => {
                 self.types.insert(
                     a[0],
@@ -188,6 +195,13 @@ impl Module {
                 self.matrix_strides.insert((a[0], a[1]), a[3]);
             }
             _ => {}
+        }
+    }
+
+    fn local_size(&self) -> [u32; 3] {
+        match self.local_size_ids {
+            Some(ids) => ids.map(|id| self.constants[&id]),
+            None => self.local_size.unwrap_or([1; 3]),
         }
     }
 

@@ -86,7 +86,7 @@ impl Timers {
             // SAFETY: each pass fills its own word, after the clearing barrier.
             unsafe {
                 gpu.device
-                    .cmd_fill_buffer(cmd, self.markers.inner.raw, 4 * pass as u64, 4, 1)
+                    .cmd_fill_buffer(cmd, self.markers.inner.raw, 4 * pass as u64, 4, 1);
             };
         }
         self.stamp(gpu, cmd, 0);
@@ -112,8 +112,12 @@ impl Timers {
         // All commands, at both ends: passes are timed one after the other, never overlapping.
         // SAFETY: the query was reset when its pool was made.
         unsafe {
-            gpu.device
-                .cmd_write_timestamp2(cmd, vk::PipelineStageFlags2::ALL_COMMANDS, pool, query)
+            gpu.device.cmd_write_timestamp2(
+                cmd,
+                vk::PipelineStageFlags2::ALL_COMMANDS,
+                pool,
+                query,
+            );
         };
     }
 

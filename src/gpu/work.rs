@@ -60,13 +60,19 @@ struct Touches {
 
 impl Touches {
     fn note(&mut self, resource: &Resource, before: Usage) {
-        let entry = || Touched { resource: resource.clone(), before };
+        let entry = || Touched {
+            resource: resource.clone(),
+            before,
+        };
         self.by_key.entry(resource.key()).or_insert_with(entry);
     }
 
     /// The work was submitted with this timeline value.
     fn commit(mut self, value: u64) -> Vec<Resource> {
-        let resources: Vec<_> = std::mem::take(&mut self.by_key).into_values().map(|t| t.resource).collect();
+        let resources: Vec<_> = std::mem::take(&mut self.by_key)
+            .into_values()
+            .map(|t| t.resource)
+            .collect();
         for resource in &resources {
             let mut now = usage(resource.tracked());
             now.open_in = None;
@@ -306,7 +312,13 @@ impl Work {
             self.waits.insert(slot, value);
         }
         let value = submit_commands(&gpu, self.slot, self.cmd, &self.waits, &self.label)?;
-        let Self { mut recorded, touched, slot, label, .. } = self;
+        let Self {
+            mut recorded,
+            touched,
+            slot,
+            label,
+            ..
+        } = self;
         recorded.keep.push(Box::new(touched.commit(value)));
         Ok(Submission::new(recorded, slot, value, label))
     }

@@ -7,8 +7,10 @@
 
 mod architecture;
 mod cli;
+mod fixture;
 mod foliage_encode;
 mod foliage_field;
 mod foliage_realign;
 mod foliage_surface;
 mod foliage_traced;
+mod gpu;
