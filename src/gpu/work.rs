@@ -463,3 +463,70 @@ pub(super) fn buffer_resource(buffer: &Buffer) -> Resource {
         inner: Arc::clone(&buffer.inner),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{BufferInfo, GpuOptions, Validation};
+
+    /// What a device with a compute family of its own would record. The one-family drivers at
+    /// hand cannot run it, so the barriers themselves are compared.
+    #[test]
+    fn a_resource_of_another_family_is_released_there_and_acquired_here() {
+        let options = GpuOptions {
+            validation: Validation::Required,
+            ..Default::default()
+        };
+        let gpu = Gpu::new(&options).expect("a driver and the validation layer");
+        let buffer = gpu
+            .buffer(BufferInfo::device("from elsewhere", 64))
+            .expect("small");
+        let elsewhere = Slot {
+            family: 7,
+            index: 0,
+        };
+        {
+            let mut known = usage(&buffer.inner.tracked);
+            let _ = known.state.advance(Access::ComputeWrite, false);
+            known.owner = Some(elsewhere);
+            known.value = 3;
+        }
+        let mut work = gpu.work(QueueKind::Graphics, "draws").expect("records");
+        work.touch("draws", &buffer_resource(&buffer), Access::DrawRead);
+        let families =
+            |b: &vk::BufferMemoryBarrier2<'_>| (b.src_queue_family_index, b.dst_queue_family_index);
+        let release = work.releases[&elsewhere].buffers[0];
+        let acquire = work.pending.buffers[0];
+        assert_eq!(families(&release), (7, work.slot.family));
+        assert_eq!(
+            families(&release),
+            families(&acquire),
+            "both halves name the same queues"
+        );
+        assert!(
+            release
+                .src_access_mask
+                .contains(vk::AccessFlags2::SHADER_STORAGE_WRITE),
+            "made available"
+        );
+        assert_eq!(release.dst_stage_mask, vk::PipelineStageFlags2::NONE);
+        assert_eq!(acquire.src_stage_mask, vk::PipelineStageFlags2::NONE);
+        assert!(
+            acquire
+                .dst_stage_mask
+                .contains(vk::PipelineStageFlags2::VERTEX_SHADER)
+        );
+        assert_eq!(
+            work.waits[&elsewhere], 3,
+            "waits for the submission that wrote it"
+        );
+        drop(work);
+        assert_eq!(
+            usage(&buffer.inner.tracked).owner,
+            Some(elsewhere),
+            "abandoned work changes nothing"
+        );
+        // So that nothing else looks for a queue of family 7.
+        *usage(&buffer.inner.tracked) = Usage::default();
+    }
+}
