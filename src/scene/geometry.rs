@@ -19,8 +19,12 @@ pub struct Geometry {
     pub normals: Vec<Vec3>,
     /// `TEXCOORD_0`, zero where absent.
     pub texcoords: Vec<[f32; 2]>,
+    /// `TEXCOORD_1`, zero where absent.
+    pub texcoords1: Vec<[f32; 2]>,
     /// Linear RGBA vertex colours, white where absent.
     pub colors: Vec<[f32; 4]>,
+    /// Ambient coefficient of an earlier bake (`_AMBIENT`), 1 where absent.
+    pub ambient: Vec<f32>,
     /// Triangle list over all parts; indices are absolute.
     pub indices: Vec<u32>,
     /// Ranges of one primitive of one instance each, in order, covering everything.
@@ -97,7 +101,9 @@ impl Geometry {
                     }));
                 }
                 extend_or(&mut out.texcoords, &p.texcoords, n, [0.0; 2]);
+                extend_or(&mut out.texcoords1, &p.texcoords1, n, [0.0; 2]);
                 extend_or(&mut out.colors, &p.colors, n, [1.0; 4]);
+                extend_or(&mut out.ambient, &p.ambient, n, 1.0);
                 let base = u32::try_from(first_vertex).expect("fewer than 2^32 vertices");
                 for t in p.indices.chunks_exact(3) {
                     // A mirroring transform turns triangles inside out; turn them back.

@@ -1,12 +1,15 @@
 //! What is drawn: models, their materials, and the files they come from.
 
 pub mod camera;
+pub mod extensions;
 pub mod geometry;
 pub mod gltf_document;
+pub mod import;
 pub mod light;
 pub mod model;
 pub mod population;
 pub mod scene_file;
+pub mod textures;
 
 pub use camera::{Camera, CameraSpec, Lens, LightView};
 pub use geometry::{Geometry, Part};

@@ -151,6 +151,9 @@ pub struct Material {
     pub diffuse_transmission: Option<DiffuseTransmission>,
     /// An occlusion texture and its strength (used when a baked file is read back).
     pub occlusion_texture: Option<(TextureRef, f32)>,
+    /// The normals of back faces are used as they are instead of being turned to the viewer.
+    /// Set by umbrage's own exports (realigned normals describe the crown, not the leaf).
+    pub unflipped_back_faces: bool,
 }
 
 impl Default for Material {
@@ -167,6 +170,7 @@ impl Default for Material {
             emissive: [0.0; 3],
             diffuse_transmission: None,
             occlusion_texture: None,
+            unflipped_back_faces: false,
         }
     }
 }

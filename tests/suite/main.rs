@@ -14,3 +14,4 @@ mod foliage_realign;
 mod foliage_surface;
 mod foliage_traced;
 mod gpu;
+mod models;

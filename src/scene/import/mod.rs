@@ -1,0 +1,51 @@
+//! Reading models: glTF 2.0, GLB and Wavefront OBJ, told apart by their content.
+
+pub(in crate::scene) mod accessor;
+mod container;
+pub(in crate::scene) mod gltf;
+pub(in crate::scene) mod json;
+mod limits;
+pub(in crate::scene) mod material;
+mod mesh;
+mod meshopt;
+mod mtl;
+mod nodes;
+mod obj;
+mod obj_materials;
+mod overrides;
+mod polygon;
+mod texture_search;
+
+use std::path::{Path, PathBuf};
+
+use super::model::Model;
+use crate::{Error, Result};
+
+/// What the user may say about a file.
+#[derive(Debug, Clone, Default)]
+pub struct LoadOptions {
+    /// Base colour textures by material name (`--texture MATERIAL=FILE`).
+    pub textures: Vec<(String, PathBuf)>,
+}
+
+/// Reads the model in `path`.
+///
+/// # Errors
+/// [`Error::File`] that names the file, the object inside it and the reason.
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Model> {
+    let path = path.as_ref();
+    let bytes = std::fs::read(path).map_err(|e| Error::file(path, format!("cannot read: {e}")))?;
+    let is_obj = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+    let model = if container::is_glb(&bytes) || container::is_json(&bytes) {
+        gltf::read(&bytes, path, options)
+    } else if is_obj {
+        obj::read(&bytes, path, options)
+    } else if bytes.is_empty() {
+        Err("the file is empty".into())
+    } else {
+        Err("is neither glTF (JSON or GLB) nor a Wavefront OBJ".into())
+    };
+    model.map_err(|reason| Error::file(path, reason))
+}
