@@ -8,6 +8,7 @@ pub mod console;
 pub mod context;
 pub mod output;
 pub mod report;
+pub mod tradeoff;
 
 mod entry;
 

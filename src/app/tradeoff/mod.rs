@@ -1,0 +1,3 @@
+//! `umbrage tradeoff`.
+
+pub mod truth;
