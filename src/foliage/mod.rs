@@ -1,5 +1,6 @@
 //! Expressive illumination of foliage by implicit surfaces (Luft, Balzer, Deussen 2007).
 
+pub mod cutout;
 pub mod settings;
 pub mod split;
 pub mod table;

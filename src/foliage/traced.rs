@@ -7,16 +7,14 @@
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
+use super::cutout::Cutout;
+use crate::Result;
 use crate::math::bvh::{Bvh, Hit, Ray};
 use crate::math::sampling;
-use crate::scene::{AlphaMode, Geometry, ImageSource, Material, Model, TextureRef, Wrap};
-use crate::{Error, Result};
+use crate::scene::{Geometry, Model};
 
 /// A ray ignores hits nearer than this, in diagonals of the geometry: the leaf it starts on.
 const SELF_HIT: f32 = 1e-4;
-
-/// Alpha from which on a blended surface stops a ray.
-const BLEND_CUTOFF: f32 = 0.5;
 
 /// How directions are weighted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,7 +91,7 @@ impl Occluders {
     fn stops(&self, hit: &Hit) -> bool {
         let triangle = hit.triangle as usize;
         let cutout = &self.cutouts[self.cutout_of[triangle] as usize];
-        if cutout.alpha.is_none() {
+        if cutout.is_solid() {
             return true;
         }
         let mut uv = [0.0; 2];
@@ -132,104 +130,4 @@ fn two_sided_cosine(u: DVec2, normal: Vec3) -> glam::DVec3 {
     let side = if u.x < 0.5 { 1.0 } else { -1.0 };
     let local = sampling::cosine_hemisphere(DVec2::new((2.0 * u.x).fract(), u.y));
     sampling::frame(side * normal.as_dvec3().normalize()) * local
-}
-
-/// What of a material's surface stops rays.
-#[derive(Debug)]
-struct Cutout {
-    /// Alpha texture; `None` where all of the surface stops rays.
-    alpha: Option<AlphaMap>,
-    /// Smallest alpha that stops a ray.
-    cutoff: f32,
-}
-
-impl Cutout {
-    fn new(model: &Model, material: &Material) -> Result<Self> {
-        let cutoff = match material.alpha_mode {
-            AlphaMode::Opaque => None,
-            AlphaMode::Mask { cutoff } => Some(cutoff),
-            AlphaMode::Blend => Some(BLEND_CUTOFF),
-        };
-        let (Some(cutoff), Some(texture)) = (cutoff, material.base_color_texture) else {
-            return Ok(Self {
-                alpha: None,
-                cutoff: 0.0,
-            });
-        };
-        Ok(Self {
-            alpha: Some(AlphaMap::new(model, texture)?),
-            cutoff: cutoff / material.base_color[3].max(f32::MIN_POSITIVE),
-        })
-    }
-
-    fn is_opaque(&self, uv: [f32; 2]) -> bool {
-        self.alpha
-            .as_ref()
-            .is_none_or(|map| map.at(uv) >= self.cutoff)
-    }
-}
-
-/// The alpha channel of a texture as a material uses it.
-#[derive(Debug)]
-struct AlphaMap {
-    width: u32,
-    height: u32,
-    alpha: Vec<u8>,
-    wrap: [Wrap; 2],
-    transform: [[f32; 3]; 2],
-}
-
-impl AlphaMap {
-    fn new(model: &Model, reference: TextureRef) -> Result<Self> {
-        let texture = &model.textures[reference.texture];
-        let (width, height, alpha) = alpha_channel(&model.images[texture.image])?;
-        Ok(Self {
-            width,
-            height,
-            alpha,
-            wrap: [texture.wrap_u, texture.wrap_v],
-            transform: reference.transform,
-        })
-    }
-
-    /// Alpha of the nearest texel, in \[0,1\].
-    fn at(&self, uv: [f32; 2]) -> f32 {
-        let [u, v] = self
-            .transform
-            .map(|row| row[0] * uv[0] + row[1] * uv[1] + row[2]);
-        let x = wrapped_texel(u, self.width, self.wrap[0]);
-        let y = wrapped_texel(v, self.height, self.wrap[1]);
-        f32::from(self.alpha[y * self.width as usize + x]) / 255.0
-    }
-}
-
-fn wrapped_texel(coordinate: f32, size: u32, wrap: Wrap) -> usize {
-    let c = match wrap {
-        Wrap::Repeat => coordinate.rem_euclid(1.0),
-        Wrap::Clamp => coordinate.clamp(0.0, 1.0),
-        Wrap::Mirror => 1.0 - (coordinate.rem_euclid(2.0) - 1.0).abs(),
-    };
-    ((c * size as f32) as usize).min(size as usize - 1)
-}
-
-/// Width, height and the alpha channel; 255 where the image has none.
-fn alpha_channel(image: &ImageSource) -> Result<(u32, u32, Vec<u8>)> {
-    match image {
-        ImageSource::Rgba8 {
-            width,
-            height,
-            pixels,
-            ..
-        } => Ok((*width, *height, every_fourth(pixels))),
-        ImageSource::Encoded { name, bytes } => {
-            let decoded = image::load_from_memory(bytes)
-                .map_err(|e| Error::file(name, e))?
-                .into_rgba8();
-            Ok((decoded.width(), decoded.height(), every_fourth(&decoded)))
-        }
-    }
-}
-
-fn every_fourth(pixels: &[u8]) -> Vec<u8> {
-    pixels.iter().skip(3).step_by(4).copied().collect()
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
+use umbrage::foliage::cutout::opaque_shares;
 use umbrage::foliage::traced::{Occluders, Rays, Weighting};
 use umbrage::math::sampling::{fibonacci_directions, uniform, uniform_sphere};
 use umbrage::scene::{
@@ -101,11 +102,14 @@ fn masked_texels_let_rays_pass() {
         model.materials[0].base_color_texture = Some(TextureRef::new(0));
         model
     };
+    let share = |model: &Model| opaque_shares(model, &Geometry::flatten(model)).unwrap()[0];
     let at = Vec3::new(0.0, 0.3, 0.0);
     let solid = ambient(&card(), at, &RAYS);
     let mut half = checker(|i| (i + i / 16) % 2 == 0);
     assert_eq!(ambient(&half, at, &RAYS), solid, "opaque ignores alpha");
+    assert_eq!(share(&half), 1.0);
     half.materials[0].alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
+    assert!((share(&half) - 0.5).abs() < 0.02, "{}", share(&half));
     let found = ambient(&half, at, &RAYS);
     let expected = 0.5 * (1.0 + solid);
     assert!((found - expected).abs() < 0.02, "{found} for {expected}");

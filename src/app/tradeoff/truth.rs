@@ -109,12 +109,20 @@ impl Truth {
     /// Roughness in degrees of normals, one per vertex of the geometry, among the foliage.
     #[must_use]
     pub fn roughness(&self, geometry: &Geometry, normals: &[Vec3]) -> f64 {
-        let positions: Vec<Vec3> = self.foliage.iter().map(|&v| geometry.positions[v]).collect();
+        let positions: Vec<Vec3> = self
+            .foliage
+            .iter()
+            .map(|&v| geometry.positions[v])
+            .collect();
         let normals: Vec<Vec3> = self.foliage.iter().map(|&v| normals[v]).collect();
         let sample: Vec<usize> = self
             .sample
             .iter()
-            .map(|v| self.foliage.binary_search(v).expect("sampled from the foliage"))
+            .map(|v| {
+                self.foliage
+                    .binary_search(v)
+                    .expect("sampled from the foliage")
+            })
             .collect();
         stats::roughness(&positions, &normals, &sample)
     }
