@@ -151,6 +151,14 @@ abi! {
         LIGHT_POINT: u32 = 1;
         /// `RenderLight::kind`.
         LIGHT_SPOT: u32 = 2;
+        /// Channel of the G-buffer: shading normal and ambient coefficient.
+        CHANNEL_NORMAL: u32 = 0;
+        /// Linear eye depth.
+        CHANNEL_DEPTH: u32 = 1;
+        /// Base colour.
+        CHANNEL_ALBEDO: u32 = 2;
+        /// Light by eq. 1, and S.
+        CHANNEL_SHADE: u32 = 3;
         /// `RenderFrame::background`: a neutral gradient.
         BACKGROUND_NEUTRAL: u32 = 0;
         /// `RenderFrame::background`: a clear sky.

@@ -97,6 +97,42 @@ pub fn unpack_unorm16(bits: u32) -> f32 {
     (bits & 0xffff) as f32 / UNORM16
 }
 
+/// Nearest 16-bit float (IEEE 754 binary16), ties to even; too large becomes infinity.
+#[must_use]
+pub fn f32_to_f16(v: f32) -> u16 {
+    let bits = v.to_bits();
+    let sign = ((bits >> 16) & 0x8000) as u16;
+    let magnitude = bits & 0x7fff_ffff;
+    if magnitude > 0x7f80_0000 {
+        return sign | 0x7e00; // NaN
+    }
+    if magnitude >= 0x4780_0000 {
+        return sign | 0x7c00; // 65536 and more
+    }
+    // Adding a power of two lets the f32 unit itself round to the 10 bits that remain: for normal
+    // halves one 13 binary places above the value, for subnormal ones always 0.5 (2^-1).
+    let exponent = (magnitude >> 23).max(113);
+    let magic = f32::from_bits((exponent + 13) << 23);
+    let rounded = f32::from_bits(magnitude) + magic;
+    let mantissa = rounded.to_bits() - magic.to_bits();
+    // A mantissa of 2^10 or more carries the implicit one into the exponent field.
+    sign | (((exponent - 113) << 10) + mantissa) as u16
+}
+
+/// Value of a 16-bit float.
+#[must_use]
+pub fn f16_to_f32(bits: u16) -> f32 {
+    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
+    let exponent = i32::from((bits >> 10) & 0x1f);
+    let mantissa = f32::from(bits & 0x3ff);
+    sign * match exponent {
+        0 => mantissa * 2f32.powi(-24),
+        31 if mantissa == 0.0 => f32::INFINITY,
+        31 => f32::NAN,
+        _ => (1.0 + mantissa / 1024.0) * 2f32.powi(exponent - 15),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,5 +190,16 @@ mod tests {
             assert!((back - v).abs() <= 0.5 / UNORM16 + 1e-7, "{v} -> {back}");
         }
         assert_eq!(pack_unorm16(f32::NAN), 0, "NaN has no coefficient");
+    }
+
+    #[test]
+    fn halves_survive_the_way_to_f32_and_back() {
+        for bits in (0..=u16::MAX).filter(|b| !f16_to_f32(*b).is_nan()) {
+            assert_eq!(f32_to_f16(f16_to_f32(bits)), bits, "{bits:#x}");
+        }
+        assert_eq!(f16_to_f32(f32_to_f16(1.0 + 1.0 / 4096.0)), 1.0, "rounds down");
+        assert_eq!(f16_to_f32(f32_to_f16(1.0 + 3.0 / 4096.0)), 1.0 + 1.0 / 1024.0);
+        assert!(f16_to_f32(f32_to_f16(f32::NAN)).is_nan());
+        assert_eq!(f16_to_f32(f32_to_f16(1e9)), f32::INFINITY);
     }
 }

@@ -1,0 +1,13 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "gbuffer.glsl"
+
+layout(location = 0) out vec4 out_0;
+layout(location = 1) out vec4 out_1;
+
+void main() {
+    Fragment f = fragment(wants(CHANNEL_SHADE));
+    out_0 = channel_value(CHANNEL_0, f);
+    out_1 = channel_value(CHANNEL_1, f);
+}

@@ -1,0 +1,94 @@
+#ifndef RENDER_INTERFACE_GLSL
+#define RENDER_INTERFACE_GLSL
+
+// What every fragment shader of the render room is given: the frame, the lights, the shadow map.
+// Set 0 is the same for all draws of a pass, set 1 changes with the material.
+
+#include "abi.glsl"
+#include "shade.glsl"
+
+layout(constant_id = 1) const bool HAS_TEXTURE = false;  // the material's base colour texture
+layout(constant_id = 2) const bool HAS_COLOR = false;    // vertex colours
+layout(constant_id = 3) const bool TEXTURED = true;      // base colour shows (else clay)
+layout(constant_id = 4) const bool SHADOWED = false;     // S from the shadow map (else 1)
+layout(constant_id = 5) const bool COVERAGE = false;     // alpha becomes sample coverage
+
+layout(set = 0, binding = 0, scalar) uniform Frame { RenderFrame frame; };
+layout(set = 0, binding = 5, scalar) restrict readonly buffer Lights { RenderLight lights[]; };
+layout(set = 0, binding = 6) uniform sampler2DShadow shadow_map;
+
+// Bilinear comparison at one place of the map: a gather of four texels and their weights.
+float shadow_tap(vec2 at, float depth) {
+    vec2 size = vec2(textureSize(shadow_map, 0));
+    vec4 lit = textureGather(shadow_map, at, depth);
+    vec2 t = fract(at * size - 0.5);
+    return mix(mix(lit.w, lit.z, t.x), mix(lit.x, lit.y, t.x), t.y);
+}
+
+// Four places on a rotated square around the centre; together with the bilinear weights they are
+// a disc without steps.
+const vec2 SHADOW_TAPS[4] =
+    vec2[4](vec2(0.38, 0.92), vec2(-0.92, 0.38), vec2(-0.38, -0.92), vec2(0.92, -0.38));
+
+// Share of the sun that reaches a point (S of eq. 1). The point moves off its surface along the
+// geometric normal, on the side of the sun, as far as the filter reaches: slope-scaled by the sine
+// of the angle of incidence, so that faces in grazing light do not shade themselves.
+float sun_visibility(vec3 position, vec3 geometric_normal) {
+    float cosine = dot(geometric_normal, frame.sun_direction);
+    vec3 facing = cosine < 0.0 ? -geometric_normal : geometric_normal;
+    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    vec3 moved = position + facing * (frame.shadow_texel * (0.5 + 2.0 * sine));
+    vec3 at = (frame.relative_to_sun * vec4(moved, 1.0)).xyz;
+    vec2 centre = 0.5 + 0.5 * at.xy;
+    float lit = 0.0;
+    for (int i = 0; i < 4; i++) {
+        lit += shadow_tap(centre + SHADOW_TAPS[i] * frame.shadow_radius, at.z);
+    }
+    return 0.25 * lit;
+}
+
+// Light of one punctual source at a point: direction to it and intensity there.
+vec3 punctual(RenderLight light, vec3 position, out vec3 to_light) {
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        to_light = -light.direction;
+        return light.color;
+    }
+    vec3 offset = light.position - position;
+    float d2 = max(dot(offset, offset), 1e-12);
+    to_light = offset * inversesqrt(d2);
+    vec3 intensity = light.color * (range_window(d2, light.range) / d2);
+    if (light.kind == LIGHT_SPOT) {
+        intensity *= cone_share(-dot(to_light, light.direction), light.cos_outer, light.cone_scale);
+    }
+    return intensity;
+}
+
+// Eq. 1 over all lights, without exposure.
+vec3 illuminate(vec3 position, vec3 normal, vec3 albedo, float ambient, float sun_share,
+                float specular, float shininess, vec3 transmission) {
+    vec3 light = vec3(0.0);
+    if ((frame.terms & 1u) != 0u) {
+        light += albedo * ambient * ambient_intensity(normal, frame.sky_zenith, frame.sky_ground);
+    }
+    if ((frame.terms & 2u) != 0u) {
+        vec3 to_eye = normalize(frame.eye - position);
+        light += frame.sun_color * sun_share
+            * reflected(normal, frame.sun_direction, to_eye, albedo, specular, shininess, transmission);
+        for (uint i = 0u; i < frame.light_count; i++) {
+            vec3 to_light;
+            vec3 intensity = punctual(lights[i], position, to_light);
+            light += intensity
+                * reflected(normal, to_light, to_eye, albedo, specular, shininess, transmission);
+        }
+    }
+    return light;
+}
+
+// What stands behind: `direction` need not be of unit length.
+vec3 backdrop(vec3 direction) {
+    float height = max(direction.y * inversesqrt(dot(direction, direction)), 0.0);
+    float rise = frame.background == BACKGROUND_SKY ? sqrt(height) : smoothstep(0.0, 0.6, height);
+    return mix(frame.horizon_color, frame.zenith_color, rise);
+}
+
+#endif
