@@ -197,8 +197,15 @@ mod tests {
         for bits in (0..=u16::MAX).filter(|b| !f16_to_f32(*b).is_nan()) {
             assert_eq!(f32_to_f16(f16_to_f32(bits)), bits, "{bits:#x}");
         }
-        assert_eq!(f16_to_f32(f32_to_f16(1.0 + 1.0 / 4096.0)), 1.0, "rounds down");
-        assert_eq!(f16_to_f32(f32_to_f16(1.0 + 3.0 / 4096.0)), 1.0 + 1.0 / 1024.0);
+        assert_eq!(
+            f16_to_f32(f32_to_f16(1.0 + 1.0 / 4096.0)),
+            1.0,
+            "rounds down"
+        );
+        assert_eq!(
+            f16_to_f32(f32_to_f16(1.0 + 3.0 / 4096.0)),
+            1.0 + 1.0 / 1024.0
+        );
         assert!(f16_to_f32(f32_to_f16(f32::NAN)).is_nan());
         assert_eq!(f16_to_f32(f32_to_f16(1e9)), f32::INFINITY);
     }

@@ -1,19 +1,27 @@
 //! The picture: plan, G-buffer, shadow map, shading by eq. 1, sheets of views.
 //!
 //! Illumination model: Luft, Balzer, Deussen 2007, Expressive Illumination of Foliage Based on
-//! Implicit Surfaces, eq. 1. The whole frame is the function [`frame`](mod@frame) reads like.
+//! Implicit Surfaces, eq. 1. `frame.rs` lists the passes in order.
 
+mod batch;
+mod frame;
+pub mod gbuffer;
 pub mod image;
+pub mod order;
+mod pipelines;
 pub mod plan;
 pub mod renderer;
 pub mod settings;
+pub mod setup;
 pub mod sheet;
 pub mod slice;
 pub mod subject;
 pub mod texture;
+mod upload;
 pub mod view;
 
 pub use crate::scene::{CameraSpec, Sky, Sun};
+pub use gbuffer::GBuffer;
 pub use image::Picture;
 pub use plan::{Attribute, Channel, Plan};
 pub use renderer::{Rendered, Renderer};

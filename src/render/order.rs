@@ -47,6 +47,18 @@ pub fn clusters(indices: &[u32], ranges: &[Range<usize>]) -> Vec<Cluster> {
     out
 }
 
+/// Every triangle of an index range as a cluster of its own.
+#[must_use]
+pub fn triangles(range: Range<usize>) -> Vec<Cluster> {
+    let as_u32 = |i: usize| u32::try_from(i).expect("fewer than 2^32 indices");
+    range
+        .step_by(3)
+        .map(|i| Cluster {
+            indices: as_u32(i)..as_u32(i + 3),
+        })
+        .collect()
+}
+
 /// Appends the indices of `clusters` to `out`, ordered by the distance of their first triangle's
 /// middle along `direction`; equal distances keep their order.
 pub fn append_sorted(
@@ -77,7 +89,11 @@ pub fn append_sorted(
 /// Bits whose unsigned order is the order of the numbers.
 fn ordered(v: f32) -> u32 {
     let bits = v.to_bits();
-    if bits >> 31 == 0 { bits | (1 << 31) } else { !bits }
+    if bits >> 31 == 0 {
+        bits | (1 << 31)
+    } else {
+        !bits
+    }
 }
 
 #[cfg(test)]
@@ -86,7 +102,15 @@ mod tests {
 
     #[test]
     fn order_of_bits_is_order_of_numbers() {
-        let v = [f32::NEG_INFINITY, -2.5, -1e-30, 0.0, 1e-30, 3.0, f32::INFINITY];
+        let v = [
+            f32::NEG_INFINITY,
+            -2.5,
+            -1e-30,
+            0.0,
+            1e-30,
+            3.0,
+            f32::INFINITY,
+        ];
         for w in v.windows(2) {
             assert!(ordered(w[0]) < ordered(w[1]), "{w:?}");
         }

@@ -195,6 +195,8 @@ pub mod label {
     pub const GBUFFER_DEPTH: &str = "g-buffer depth";
     /// Depth as the sun sees it.
     pub const SHADOW_MAP: &str = "shadow map";
+    /// One white texel for draws without a texture.
+    pub const NO_TEXTURE: &str = "no texture";
     /// A slice of the field, coloured.
     pub const SLICE: &str = "field slice";
     /// The pass that draws colour.
@@ -264,6 +266,7 @@ impl Plan {
         plan.add_gbuffer(settings, &wants);
         plan.add_textures(subject, settings, &wants)?;
         plan.add_overlays(subject, &wants);
+        plan.add_fallbacks(&wants);
         Ok(plan)
     }
 
@@ -455,6 +458,19 @@ impl Plan {
             });
         }
         Ok(())
+    }
+
+    /// Shaders name a texture and a shadow map even where a specialisation constant keeps them
+    /// from reading it: one white texel stands in.
+    fn add_fallbacks(&mut self, w: &Wants) {
+        if w.color || w.gbuffer() {
+            self.images.push(PlannedImage::target(
+                label::NO_TEXTURE,
+                PixelFormat::Rgba8Srgb,
+                [1, 1],
+                1,
+            ));
+        }
     }
 
     fn add_overlays(&mut self, subject: &Subject<'_>, w: &Wants) {

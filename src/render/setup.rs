@@ -85,7 +85,11 @@ fn crown(subject: &Subject<'_>) -> (Vec3, f32) {
     }
     let n = foliage.len() as f64;
     let mean = foliage.iter().copied().sum::<DVec3>() / n;
-    let spread = foliage.iter().map(|p| p.distance_squared(mean)).sum::<f64>() / n;
+    let spread = foliage
+        .iter()
+        .map(|p| p.distance_squared(mean))
+        .sum::<f64>()
+        / n;
     (mean.as_vec3(), (spread * 5.0 / 3.0).sqrt() as f32)
 }
 

@@ -82,7 +82,8 @@ impl Resources {
         }
         for i in &plan.images {
             let (name, format) = (i.label.clone(), format(i.format));
-            let filled = i.texture.is_some() || i.label == label::SLICE || i.label == label::NO_TEXTURE;
+            let filled =
+                i.texture.is_some() || i.label == label::SLICE || i.label == label::NO_TEXTURE;
             let info = if filled {
                 ImageInfo::texture(name, format, i.extent, i.levels)
             } else {
@@ -153,7 +154,13 @@ impl Resources {
             let mut out = Vec::with_capacity(g.indices.len());
             for batch in batches {
                 let start = out.len();
-                order::append_sorted(&mut out, &batch.clusters, &g.indices, &g.positions, direction);
+                order::append_sorted(
+                    &mut out,
+                    &batch.clusters,
+                    &g.indices,
+                    &g.positions,
+                    direction,
+                );
                 let ends = [start, out.len()];
                 let [a, b] = ends.map(|v| u32::try_from(v).expect("fewer than 2^32 indices"));
                 *range(batch) = a..b;
@@ -211,8 +218,10 @@ impl Resources {
         }
         let planned: Vec<&PlannedImage> =
             plan.images.iter().filter(|i| i.texture.is_some()).collect();
-        let mut sources: Vec<usize> =
-            planned.iter().filter_map(|i| i.texture.map(|t| t.image)).collect();
+        let mut sources: Vec<usize> = planned
+            .iter()
+            .filter_map(|i| i.texture.map(|t| t.image))
+            .collect();
         sources.sort_unstable();
         sources.dedup();
         let decoded: Vec<(usize, texture::Decoded)> = sources
