@@ -15,12 +15,12 @@ layout(constant_id = 5) const bool COVERAGE = false;     // alpha becomes sample
 
 layout(set = 0, binding = 0, scalar) uniform Frame { RenderFrame frame; };
 layout(set = 0, binding = 5, scalar) restrict readonly buffer Lights { RenderLight lights[]; };
-layout(set = 0, binding = 6) uniform sampler2DShadow shadow_map;
+layout(set = 0, binding = 6) uniform sampler2D shadow_map;
 
 // Bilinear comparison at one place of the map: a gather of four texels and their weights.
 float shadow_tap(vec2 at, float depth) {
     vec2 size = vec2(textureSize(shadow_map, 0));
-    vec4 lit = textureGather(shadow_map, at, depth);
+    vec4 lit = step(textureGather(shadow_map, at), vec4(depth));
     vec2 t = fract(at * size - 0.5);
     return mix(mix(lit.w, lit.z, t.x), mix(lit.x, lit.y, t.x), t.y);
 }
@@ -40,9 +40,11 @@ float sun_visibility(vec3 position, vec3 geometric_normal) {
     vec3 moved = position + facing * (frame.shadow_texel * (0.5 + 2.0 * sine));
     vec3 at = (frame.relative_to_sun * vec4(moved, 1.0)).xyz;
     vec2 centre = 0.5 + 0.5 * at.xy;
+    // Behind the farthest caster the map is as deep as it can say.
+    float depth = max(at.z, 0.0);
     float lit = 0.0;
     for (int i = 0; i < 4; i++) {
-        lit += shadow_tap(centre + SHADOW_TAPS[i] * frame.shadow_radius, at.z);
+        lit += shadow_tap(centre + SHADOW_TAPS[i] * frame.shadow_radius, depth);
     }
     return 0.25 * lit;
 }

@@ -210,14 +210,12 @@ impl Module {
     }
 
     fn binding(&self, id: u32, pointer: u32, storage: u32) -> Option<ReflectedBinding> {
-        let mut pointee = self.pointee(pointer);
-        while matches!(
-            self.types[&pointee].opcode,
-            op::TYPE_ARRAY | op::TYPE_RUNTIME_ARRAY
-        ) {
-            pointee = self.types[&pointee].operands[0];
+        // Types of built-in inputs (bool) are not recorded; they are no bindings.
+        let mut pointee = self.types.get(&self.pointee(pointer))?;
+        while matches!(pointee.opcode, op::TYPE_ARRAY | op::TYPE_RUNTIME_ARRAY) {
+            pointee = self.types.get(&pointee.operands[0])?;
         }
-        let kind = match (storage, self.types[&pointee].opcode) {
+        let kind = match (storage, pointee.opcode) {
             (STORAGE_BUFFER, _) => DescriptorKind::StorageBuffer,
             (STORAGE_UNIFORM, _) => DescriptorKind::UniformBuffer,
             (STORAGE_UNIFORM_CONSTANT, op::TYPE_SAMPLED_IMAGE) => {

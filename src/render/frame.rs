@@ -24,8 +24,8 @@ pub(super) struct Frame<'a> {
     pub(super) batches: &'a [Batch],
     /// Samplers of the batches, in their order.
     pub(super) samplers: &'a [Sampler],
-    /// Compares depths in the shadow map.
-    pub(super) compare: &'a Sampler,
+    /// Nothing in the way outside; for the shadow map.
+    pub(super) border: &'a Sampler,
     /// Clamps; for images that stand in and for the slice.
     pub(super) clamp: &'a Sampler,
     pub(super) slice: Option<SlicePlane>,
@@ -182,7 +182,7 @@ impl Frame<'_> {
             label::MODEL_NORMALS
         };
         let shadow = if shadowed {
-            Binding::Sampled(self.resources.image(label::SHADOW_MAP), self.compare)
+            Binding::Sampled(self.resources.image(label::SHADOW_MAP), self.border)
         } else {
             Binding::Sampled(self.resources.image(label::NO_TEXTURE), self.clamp)
         };

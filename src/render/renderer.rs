@@ -38,7 +38,7 @@ pub struct Renderer {
     resources: Resources,
     batches: Vec<Batch>,
     samplers: Vec<Sampler>,
-    compare: Sampler,
+    border: Sampler,
     clamp: Sampler,
     pipelines: Pipelines,
     slice: Option<SlicePlane>,
@@ -74,9 +74,8 @@ impl Renderer {
             resources,
             batches,
             samplers,
-            compare: gpu.sampler(&SamplerInfo {
+            border: gpu.sampler(&SamplerInfo {
                 address: [AddressMode::BorderZero; 2],
-                compare_greater_equal: true,
                 ..SamplerInfo::default()
             })?,
             clamp: gpu.sampler(&SamplerInfo {
@@ -207,7 +206,7 @@ impl Renderer {
                 resources: &self.resources,
                 batches: &self.batches,
                 samplers: &self.samplers,
-                compare: &self.compare,
+                border: &self.border,
                 clamp: &self.clamp,
                 slice: self.slice,
             },

@@ -315,7 +315,7 @@ impl LightView {
         half.z *= 1.002;
         let rotation = view::look_to_mat4(DVec3::ZERO, -to_light, up);
         let (lo, hi) = (centre - half, centre + half);
-        let projection = proj::vulkan::orthographic(lo.x, hi.x, lo.y, hi.y, -hi.z, -lo.z);
+        let projection = proj::vulkan::orthographic(lo.x, hi.x, lo.y, hi.y, -lo.z, -hi.z);
         Self {
             relative_to_clip: (projection * rotation).as_mat4(),
             extent: [(2.0 * half.x) as f32, (2.0 * half.y) as f32],
