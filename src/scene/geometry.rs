@@ -3,7 +3,9 @@
 //! World coordinates are f64; vertices are stored as f32 relative to [`Geometry::origin`], the
 //! centre of the bounding box, so that a tree at 5 000 000 m keeps its precision.
 
-use glam::{DVec3, Vec3};
+use std::collections::HashSet;
+
+use glam::{DMat3, DVec3, Vec3};
 
 use super::model::Model;
 
@@ -80,7 +82,7 @@ impl Geometry {
         let mut out = Self::default();
         for (instance_index, instance) in model.instances.iter().enumerate() {
             let to_world = instance.local_to_world;
-            let normal_matrix = to_world.matrix3.inverse().transpose();
+            let normal_matrix = cofactors(&to_world.matrix3);
             let mirrored = to_world.matrix3.determinant() < 0.0;
             for (primitive_index, p) in model.meshes[instance.mesh].primitives.iter().enumerate() {
                 let first_vertex = world.len();
@@ -128,6 +130,7 @@ impl Geometry {
         }
         out.place(&world);
         out.repair_normals();
+        out.count_degenerate();
         out
     }
 
@@ -154,32 +157,95 @@ impl Geometry {
 
     /// Gives vertices without a usable normal the area-weighted mean of their faces' normals.
     fn repair_normals(&mut self) {
-        let bad: Vec<bool> = self.normals.iter().map(|n| *n == Vec3::ZERO).collect();
-        let count = bad.iter().filter(|&&b| b).count();
-        if count == 0 {
-            return;
+        let (repaired, hopeless) =
+            repair_normals(&self.positions, &mut self.normals, &self.indices);
+        if repaired + hopeless > 0 {
+            self.warnings.push(format!(
+                "{} vertices without a usable normal: {repaired} made from their faces, {hopeless} set to +y",
+                repaired + hopeless
+            ));
         }
-        let mut sums = vec![DVec3::ZERO; self.positions.len()];
-        for t in self.indices.chunks_exact(3) {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|i| self.positions[i as usize].as_dvec3());
-            let n = (b - a).cross(c - a);
-            for &i in t {
-                sums[i as usize] += n;
-            }
-        }
-        let mut hopeless = 0usize;
-        for (i, normal) in self.normals.iter_mut().enumerate().filter(|(i, _)| bad[*i]) {
-            *normal = sums[i].normalize_or_zero().as_vec3();
-            if *normal == Vec3::ZERO {
-                *normal = Vec3::Y;
-                hopeless += 1;
-            }
-        }
-        self.warnings.push(format!(
-            "{count} vertices without a usable normal: {} made from their faces, {hopeless} set to +y",
-            count - hopeless
-        ));
     }
+
+    /// Counts triangles without area and vertices that repeat another one of their part.
+    fn count_degenerate(&mut self) {
+        let flat = self.indices.chunks_exact(3).filter(|t| {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| self.positions[i as usize].as_dvec3());
+            (b - a).cross(c - a) == DVec3::ZERO
+        });
+        let flat = flat.count();
+        if flat > 0 {
+            self.warnings.push(format!("{flat} triangles without area"));
+        }
+        let mut repeated = 0;
+        let mut seen = HashSet::new();
+        for part in &self.parts {
+            seen.clear();
+            let keys = part.vertices().map(|i| {
+                let (p, n) = (self.positions[i], self.normals[i]);
+                let [u, v] = self.texcoords[i];
+                let [r, g, b, a] = self.colors[i];
+                [p.x, p.y, p.z, n.x, n.y, n.z, u, v, r, g, b, a].map(f32::to_bits)
+            });
+            repeated += keys.filter(|k| !seen.insert(*k)).count();
+        }
+        if repeated > 0 {
+            self.warnings
+                .push(format!("{repeated} vertices repeat another one exactly"));
+        }
+    }
+}
+
+/// Replaces zero normals by the area-weighted mean of the normals of their faces, or by +y
+/// where that is zero too. Returns how many of each.
+pub(super) fn repair_normals(
+    positions: &[Vec3],
+    normals: &mut [Vec3],
+    indices: &[u32],
+) -> (usize, usize) {
+    if normals.iter().all(|n| *n != Vec3::ZERO) {
+        return (0, 0);
+    }
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for t in indices.chunks_exact(3) {
+        let [a, b, c] = [t[0], t[1], t[2]].map(|i| positions[i as usize].as_dvec3());
+        let n = (b - a).cross(c - a);
+        for &i in t {
+            sums[i as usize] += n;
+        }
+    }
+    let (mut repaired, mut hopeless) = (0, 0);
+    for (normal, sum) in normals.iter_mut().zip(sums) {
+        if *normal != Vec3::ZERO {
+            continue;
+        }
+        *normal = sum.normalize_or_zero().as_vec3();
+        if *normal == Vec3::ZERO {
+            *normal = Vec3::Y;
+            hopeless += 1;
+        } else {
+            repaired += 1;
+        }
+    }
+    (repaired, hopeless)
+}
+
+/// The inverse transpose up to a positive factor, defined for flat (singular) frames too.
+pub(super) fn cofactors(m: &DMat3) -> DMat3 {
+    let scale = m.x_axis.abs().max(m.y_axis.abs()).max(m.z_axis.abs());
+    // Scaled first, so that products of lengths near 1e-3 or 1e6 metres keep their digits.
+    let factor = scale.max_element();
+    let m = if factor > 0.0 {
+        *m * factor.recip()
+    } else {
+        *m
+    };
+    let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+    DMat3::from_cols(
+        sign * m.y_axis.cross(m.z_axis),
+        sign * m.z_axis.cross(m.x_axis),
+        sign * m.x_axis.cross(m.y_axis),
+    )
 }
 
 fn extend_or<T: Copy>(out: &mut Vec<T>, data: &[T], n: usize, default: T) {
@@ -187,5 +253,74 @@ fn extend_or<T: Copy>(out: &mut Vec<T>, data: &[T], n: usize, default: T) {
         out.resize(out.len() + n, default);
     } else {
         out.extend_from_slice(data);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+
+    use super::*;
+    use crate::scene::model::{Instance, Material, Mesh, Primitive};
+
+    fn model(to_world: DAffine3, normals: Vec<[f32; 3]>) -> Model {
+        let primitive = Primitive {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]],
+            normals,
+            indices: vec![0, 1, 2, 0, 3, 1],
+            ..Primitive::default()
+        };
+        Model {
+            meshes: vec![Mesh {
+                name: "m".into(),
+                primitives: vec![primitive],
+            }],
+            instances: vec![Instance {
+                name: "i".into(),
+                mesh: 0,
+                local_to_world: to_world,
+                source: None,
+            }],
+            materials: vec![Material::default()],
+            ..Model::default()
+        }
+    }
+
+    #[test]
+    fn repairs_are_made_and_counted() {
+        let mut normals = vec![[0.0, 0.0, 1.0]; 4];
+        normals[1] = [0.0; 3];
+        let g = Geometry::flatten(&model(DAffine3::IDENTITY, normals));
+        assert!(g.normals.iter().all(|n| *n == Vec3::Z));
+        let told = g.warnings.join("; ");
+        for part in [
+            "1 made from their faces",
+            "1 triangles without area",
+            "1 vertices repeat",
+        ] {
+            assert!(told.contains(part), "{told}");
+        }
+        let far = DAffine3::from_translation(DVec3::new(5e6, 0.0, 5e6));
+        let g = Geometry::flatten(&model(far, vec![]));
+        assert_eq!(
+            (g.positions[1] - g.positions[0], g.normals[0]),
+            (Vec3::X, Vec3::Z)
+        );
+    }
+
+    #[test]
+    fn normals_follow_stretched_flat_mirrored_and_extreme_frames() {
+        let tilted = Vec3::new(1.0, 0.0, 1.0).normalize();
+        for (scale, wanted) in [
+            (DVec3::new(1.0, 1.0, 2.0), DVec3::new(1.0, 0.0, 0.5)),
+            (DVec3::new(1.0, 1.0, 0.0), DVec3::Z),
+            (DVec3::new(-1.0, 1.0, 1.0), DVec3::new(-1.0, 0.0, 1.0)),
+            (DVec3::splat(1e-30), DVec3::new(1.0, 0.0, 1.0)),
+            (DVec3::splat(1e12), DVec3::new(1.0, 0.0, 1.0)),
+        ] {
+            let g = Geometry::flatten(&model(DAffine3::from_scale(scale), vec![tilted.into(); 4]));
+            let error = g.normals[0].as_dvec3().distance(wanted.normalize());
+            assert!(error < 1e-6, "{scale}: {}", g.normals[0]);
+        }
     }
 }

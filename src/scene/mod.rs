@@ -1,6 +1,7 @@
 //! What is drawn: models, their materials, and the files they come from.
 
 pub mod camera;
+pub mod export;
 pub mod extensions;
 pub mod geometry;
 pub mod gltf_document;

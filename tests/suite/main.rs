@@ -7,6 +7,7 @@
 
 mod architecture;
 mod cli;
+mod export;
 mod fixture;
 mod foliage_encode;
 mod foliage_field;

@@ -9,7 +9,7 @@ pub(in crate::scene) mod material;
 mod mesh;
 mod meshopt;
 mod mtl;
-mod nodes;
+pub(in crate::scene) mod nodes;
 mod obj;
 mod obj_materials;
 mod overrides;

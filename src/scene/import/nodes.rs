@@ -184,7 +184,7 @@ fn unit(q: DQuat) -> Check<DQuat> {
 }
 
 /// Transforms of `EXT_mesh_gpu_instancing`, relative to the node.
-fn instancing(e: &Value, source: &Source<'_>) -> Check<Vec<DAffine3>> {
+pub(in crate::scene) fn instancing(e: &Value, source: &Source<'_>) -> Check<Vec<DAffine3>> {
     let none = Value::Null;
     let attributes = e.get("attributes").unwrap_or(&none);
     let get = |key| index(attributes, key, source.len());

@@ -1,0 +1,271 @@
+//! A document being written: its JSON and the one binary chunk.
+
+use serde_json::{Map, Value, json};
+
+use crate::scene::gltf_document::GltfDocument;
+use crate::scene::model::{ImageSource, Model};
+use crate::scene::textures::media_type;
+use crate::{Error, Result};
+
+/// `bufferView.target` of vertex attributes.
+pub(super) const VERTICES: u32 = 34962;
+/// `bufferView.target` of indices.
+pub(super) const INDICES: u32 = 34963;
+const U16: u32 = 5123;
+const U32: u32 = 5125;
+const F32: u32 = 5126;
+
+/// JSON and binary chunk under construction.
+#[derive(Debug)]
+pub(super) struct Output {
+    pub(super) json: Value,
+    pub(super) bin: Vec<u8>,
+    /// Where each buffer of the source begins in `bin`; `None` when no view uses it.
+    pub(super) bases: Vec<Option<usize>>,
+}
+
+/// `v` as an object; anything else is replaced by an empty one.
+pub(super) fn object(v: &mut Value) -> &mut Map<String, Value> {
+    if !v.is_object() {
+        *v = json!({});
+    }
+    v.as_object_mut().expect("made an object above")
+}
+
+impl Output {
+    /// Copies a document; its buffers become one.
+    pub(super) fn new(document: &GltfDocument) -> Self {
+        let mut out = Self {
+            json: document.json.clone(),
+            bin: Vec::new(),
+            bases: vec![None; document.buffers.len()],
+        };
+        let mut views = out.json.get_mut("bufferViews").map(Value::take);
+        for view in views.iter_mut().filter_map(Value::as_array_mut).flatten() {
+            out.adopt(view, &document.buffers);
+        }
+        if let Some(views) = views {
+            out.json["bufferViews"] = views;
+        }
+        out
+    }
+
+    /// Points a view of the source into the one buffer.
+    fn adopt(&mut self, view: &mut Value, buffers: &[Vec<u8>]) {
+        let buffer = view.get("buffer").and_then(Value::as_u64);
+        let Some((i, bytes)) = buffer.and_then(|b| {
+            let i = usize::try_from(b).ok()?;
+            Some((i, buffers.get(i)?))
+        }) else {
+            return;
+        };
+        if self.bases[i].is_none() {
+            self.align();
+            self.bases[i] = Some(self.bin.len());
+            self.bin.extend_from_slice(bytes);
+        }
+        let base = self.bases[i].unwrap_or(0);
+        view["buffer"] = json!(0);
+        if base > 0 {
+            let offset = view.get("byteOffset").and_then(Value::as_u64).unwrap_or(0);
+            view["byteOffset"] = json!(offset.saturating_add(base as u64));
+        }
+    }
+
+    fn align(&mut self) {
+        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+    }
+
+    /// Puts images that lie in files of their own into the binary chunk, byte by byte.
+    pub(super) fn embed_images(&mut self, model: &Model) {
+        let count = self
+            .json
+            .get("images")
+            .and_then(Value::as_array)
+            .map_or(0, Vec::len);
+        for i in 0..count {
+            let uri = self.json["images"][i].get("uri").and_then(Value::as_str);
+            let Some(uri) = uri.filter(|u| !u.starts_with("data:")).map(str::to_owned) else {
+                continue;
+            };
+            let Some(ImageSource::Encoded { bytes, .. }) = model.images.get(i) else {
+                continue;
+            };
+            let view = self.view(bytes, None);
+            let image = object(&mut self.json["images"][i]);
+            image.shift_remove("uri");
+            image.insert("bufferView".into(), json!(view));
+            if let Some(media) = media_type(bytes) {
+                image.insert("mimeType".into(), json!(media));
+            }
+            image.entry("name").or_insert_with(|| json!(uri));
+        }
+    }
+
+    /// Appends to a top-level array; the new index.
+    pub(super) fn push(&mut self, list: &str, value: Value) -> usize {
+        let array = object(&mut self.json)
+            .entry(list)
+            .or_insert_with(|| json!([]));
+        if !array.is_array() {
+            *array = json!([]);
+        }
+        let array = array.as_array_mut().expect("made an array above");
+        array.push(value);
+        array.len() - 1
+    }
+
+    /// Appends bytes as a buffer view.
+    pub(super) fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+        self.align();
+        let mut view = json!({
+            "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len()
+        });
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.bin.extend_from_slice(bytes);
+        self.push("bufferViews", view)
+    }
+
+    fn accessor(&mut self, bytes: &[u8], component: u32, width: usize, count: usize) -> usize {
+        let view = self.view(bytes, Some(VERTICES));
+        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][width - 1];
+        let mut accessor = json!({
+            "bufferView": view, "componentType": component, "count": count, "type": kind
+        });
+        if component == U16 {
+            accessor["normalized"] = json!(true);
+        }
+        self.push("accessors", accessor)
+    }
+
+    /// A float attribute.
+    pub(super) fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
+        self.accessor(
+            bytemuck::cast_slice(values.as_flattened()),
+            F32,
+            N,
+            values.len(),
+        )
+    }
+
+    /// An attribute of values in \[0,1\] as normalised 16-bit integers.
+    pub(super) fn unorm16(&mut self, values: &[[f32; 4]]) -> usize {
+        let quantised: Vec<[u16; 4]> = values
+            .iter()
+            .map(|v| v.map(|c| (c.clamp(0.0, 1.0) * 65535.0).round() as u16))
+            .collect();
+        let bytes = bytemuck::cast_slice(quantised.as_flattened());
+        self.accessor(bytes, U16, 4, values.len())
+    }
+
+    /// Triangle indices, 16-bit where they fit (65535 is reserved).
+    pub(super) fn indices(&mut self, indices: &[u32]) -> usize {
+        let small = indices.iter().all(|&i| i < 65535);
+        let (view, component) = if small {
+            let short: Vec<u16> = indices.iter().map(|&i| i as u16).collect();
+            (self.view(bytemuck::cast_slice(&short), Some(INDICES)), U16)
+        } else {
+            (self.view(bytemuck::cast_slice(indices), Some(INDICES)), U32)
+        };
+        let accessor = json!({
+            "bufferView": view, "componentType": component, "count": indices.len(),
+            "type": "SCALAR"
+        });
+        self.push("accessors", accessor)
+    }
+
+    /// Names an extension in `extensionsUsed`.
+    pub(super) fn use_extension(&mut self, name: &str) {
+        let used = self.json.get("extensionsUsed").and_then(Value::as_array);
+        if !used.is_some_and(|u| u.iter().any(|n| n == name)) {
+            self.push("extensionsUsed", json!(name));
+        }
+    }
+
+    /// Strikes an extension from `extensionsUsed` and `extensionsRequired`.
+    pub(super) fn drop_extension(&mut self, name: &str) {
+        for key in ["extensionsUsed", "extensionsRequired"] {
+            let Some(list) = self.json.get_mut(key).and_then(Value::as_array_mut) else {
+                continue;
+            };
+            list.retain(|n| n != name);
+            if list.is_empty() {
+                object(&mut self.json).shift_remove(key);
+            }
+        }
+    }
+
+    /// The GLB.
+    pub(super) fn finish(mut self) -> Result<Vec<u8>> {
+        self.align();
+        let mut buffer = match self.json.get("buffers").and_then(|b| b.get(0)) {
+            Some(first) => first.clone(),
+            None => json!({}),
+        };
+        let members = object(&mut buffer);
+        members.shift_remove("uri");
+        members.insert("byteLength".into(), json!(self.bin.len()));
+        if self.bin.is_empty() {
+            object(&mut self.json).shift_remove("buffers");
+        } else {
+            self.json["buffers"] = json!([buffer]);
+        }
+        let mut text = serde_json::to_vec(&self.json)
+            .map_err(|e| Error::usage(format!("the glTF cannot be written as JSON: {e}")))?;
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let mut length = 12 + 8 + text.len();
+        if !self.bin.is_empty() {
+            length += 8 + self.bin.len();
+        }
+        let word = |n: usize| {
+            u32::try_from(n).map(u32::to_le_bytes).map_err(|_| {
+                Error::Unsupported(format!("the model needs {length} bytes; a GLB holds 4 GiB"))
+            })
+        };
+        let mut out = Vec::with_capacity(length);
+        out.extend_from_slice(b"glTF\x02\0\0\0");
+        out.extend_from_slice(&word(length)?);
+        out.extend_from_slice(&word(text.len())?);
+        out.extend_from_slice(b"JSON");
+        out.extend_from_slice(&text);
+        if !self.bin.is_empty() {
+            out.extend_from_slice(&word(self.bin.len())?);
+            out.extend_from_slice(b"BIN\0");
+            out.extend_from_slice(&self.bin);
+        }
+        Ok(out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_buffers_become_one_aligned_chunk() {
+        let document = GltfDocument {
+            json: json!({
+                "asset": {"version": "2.0"},
+                "buffers": [{"byteLength": 3, "uri": "a.bin", "name": "n"}, {"byteLength": 9}, {"byteLength": 2}],
+                "bufferViews": [
+                    {"buffer": 0, "byteOffset": 1, "byteLength": 2},
+                    {"buffer": 2, "byteLength": 2}]
+            }),
+            buffers: vec![vec![1, 2, 3], vec![9; 9], vec![7, 8]],
+        };
+        let out = Output::new(&document);
+        assert_eq!(out.bin, [1, 2, 3, 0, 7, 8]);
+        assert_eq!(out.bases, [Some(0), None, Some(4)]);
+        let glb = out.finish().unwrap();
+        assert_eq!(glb.len() % 4, 0);
+        let size = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+        let json: Value = serde_json::from_slice(&glb[20..20 + size]).unwrap();
+        assert_eq!(json["buffers"], json!([{"byteLength": 8, "name": "n"}]));
+        assert_eq!(
+            json["bufferViews"][1],
+            json!({"buffer": 0, "byteLength": 2, "byteOffset": 4})
+        );
+    }
+}
