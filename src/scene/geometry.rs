@@ -4,6 +4,7 @@
 //! centre of the bounding box, so that a tree at 5 000 000 m keeps its precision.
 
 use std::collections::HashSet;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use glam::{DMat3, DVec3, Vec3};
 
@@ -178,21 +179,47 @@ impl Geometry {
             self.warnings.push(format!("{flat} triangles without area"));
         }
         let mut repeated = 0;
-        let mut seen = HashSet::new();
+        let mut seen: HashSet<u64, BuildHasherDefault<Digest>> = HashSet::default();
         for part in &self.parts {
             seen.clear();
-            let keys = part.vertices().map(|i| {
-                let (p, n) = (self.positions[i], self.normals[i]);
-                let [u, v] = self.texcoords[i];
+            let digests = part.vertices().map(|i| {
+                let (p, n, [u, v]) = (self.positions[i], self.normals[i], self.texcoords[i]);
                 let [r, g, b, a] = self.colors[i];
-                [p.x, p.y, p.z, n.x, n.y, n.z, u, v, r, g, b, a].map(f32::to_bits)
+                digest(&[p.x, p.y, p.z, n.x, n.y, n.z, u, v, r, g, b, a])
             });
-            repeated += keys.filter(|k| !seen.insert(*k)).count();
+            repeated += digests.filter(|d| !seen.insert(*d)).count();
         }
         if repeated > 0 {
             self.warnings
                 .push(format!("{repeated} vertices repeat another one exactly"));
         }
+    }
+}
+
+/// 64 bits that tell vertices apart; for counting, so that a clash would not matter.
+fn digest(values: &[f32; 12]) -> u64 {
+    values.iter().fold(0x9E37_79B9_7F4A_7C15, |h: u64, v| {
+        (h ^ u64::from(v.to_bits()))
+            .wrapping_mul(0xBF58_476D_1CE4_E5B9)
+            .rotate_left(29)
+    })
+}
+
+/// Passes a digest through: it is mixed well enough to be its own hash.
+#[derive(Default)]
+struct Digest(u64);
+
+impl Hasher for Digest {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&b| self.write_u64(u64::from(b)));
+    }
+
+    fn write_u64(&mut self, digest: u64) {
+        self.0 = self.0.rotate_left(8) ^ digest;
     }
 }
 

@@ -10,13 +10,7 @@ use umbrage::scene::export::{
 use umbrage::scene::import::{LoadOptions, load};
 use umbrage::scene::{AlphaMode, Geometry, ImageSource, Model, textures};
 
-fn shared(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/models")
-        .join(name);
-    assert!(path.is_file(), "{} is missing", path.display());
-    path
-}
+use crate::model_fixture::shared;
 
 fn open(path: impl AsRef<Path>) -> Model {
     load(path, &LoadOptions::default()).unwrap()

@@ -15,4 +15,6 @@ mod foliage_realign;
 mod foliage_surface;
 mod foliage_traced;
 mod gpu;
+mod model_fixture;
 mod models;
+mod models_damage;

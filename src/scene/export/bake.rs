@@ -12,6 +12,7 @@ use super::placement::{self, Places};
 use super::writer::{Output, object};
 use super::{BackFaces, BakedPart, Channel, ExportOptions};
 use crate::scene::gltf_document::GltfDocument;
+use crate::scene::import::json::integer;
 use crate::scene::model::{Model, Primitive};
 
 /// Writes `baked` into `output`, a copy of `document`.
@@ -178,8 +179,7 @@ impl Editor<'_> {
 
     /// Sets an attribute: over the old bytes where nobody else reads them, else appended.
     fn attribute<const N: usize>(&mut self, name: &str, values: &[[f32; N]]) {
-        let old = self.json()["attributes"].get(name).and_then(Value::as_u64);
-        let old = old.and_then(|i| usize::try_from(i).ok());
+        let old = integer(&self.json()["attributes"], name).ok().flatten();
         let layout = old.and_then(|i| self.usage?.writable(i, N, values.len()));
         let base = layout.and_then(|l| self.output.bases[l.buffer?]);
         if let (Some(i), Some(layout), Some(base)) = (old, layout, base) {

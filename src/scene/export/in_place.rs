@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::scene::gltf_document::GltfDocument;
 use crate::scene::import::accessor::{Component, Layout, Source};
+use crate::scene::import::json::as_integer;
 
 /// Use of the accessors of a source document.
 #[derive(Debug)]
@@ -123,7 +124,7 @@ fn count(v: &Value, key: &str, references: &mut [u32]) {
             }
         }
         Value::Array(list) => list.iter().for_each(|v| count(v, key, references)),
-        Value::Number(n) => {
+        Value::Number(_) => {
             let names = [
                 "attributes",
                 "targets",
@@ -133,7 +134,7 @@ fn count(v: &Value, key: &str, references: &mut [u32]) {
                 "inverseBindMatrices",
             ];
             if names.contains(&key)
-                && let Some(r) = n.as_u64().and_then(|i| references.get_mut(i as usize))
+                && let Some(r) = as_integer(v, key).ok().and_then(|i| references.get_mut(i))
             {
                 *r += 1;
             }

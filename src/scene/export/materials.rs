@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use super::writer::{Output, object};
+use crate::scene::import::json::integer;
 use crate::scene::import::material::KEEP_NORMALS;
 use crate::scene::model::ImageSource;
 use crate::scene::textures::encode_png;
@@ -93,8 +94,7 @@ impl Changes {
 }
 
 fn material_of(primitive: &Value) -> Option<usize> {
-    let index = primitive.get("material")?.as_u64()?;
-    usize::try_from(index).ok()
+    integer(primitive, "material").ok()?
 }
 
 /// How many primitives use each material; material variants count as further users.

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::writer::{Output, object};
 use crate::scene::gltf_document::GltfDocument;
 use crate::scene::import::accessor::Source;
-use crate::scene::import::json::extension;
+use crate::scene::import::json::{extension, integer};
 use crate::scene::import::nodes::instancing;
 use crate::scene::model::Model;
 
@@ -70,10 +70,7 @@ pub(super) fn separate(
     baked: &BTreeSet<usize>,
 ) -> OwnMeshes {
     let source = &document.json;
-    let mesh_of = |node: usize| {
-        let mesh = source.get("nodes").and_then(|n| n.get(node))?.get("mesh")?;
-        usize::try_from(mesh.as_u64()?).ok()
-    };
+    let mesh_of = |node: usize| integer(source.get("nodes")?.get(node)?, "mesh").ok()?;
     let first_child = expand_gpu_instances(output, document, places, baked);
     // Nodes of the source that use each mesh, and those among them that the bake rewrites.
     let nodes = source
