@@ -139,4 +139,18 @@ mod tests {
             1
         );
     }
+
+    #[test]
+    fn the_documentation_lists_every_row() {
+        let page = include_str!("../../docs/models.md");
+        for (name, support) in EXTENSIONS {
+            let what = match support {
+                Support::Full => "read".to_owned(),
+                Support::Ignored => "kept, not read".to_owned(),
+                Support::Refused(instead) => format!("refused: {instead}"),
+            };
+            let row = format!("| `{name}` | {what} |");
+            assert!(page.contains(&row), "docs/models.md lacks: {row}");
+        }
+    }
 }

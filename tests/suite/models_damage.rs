@@ -3,11 +3,11 @@
 use base64::Engine as _;
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use umbrage::scene::Geometry;
 use umbrage::scene::export::{BackFaces, BakedPart, Channel, ExportOptions, gltf};
 use umbrage::scene::import::{LoadOptions, load};
+use umbrage::scene::{Geometry, Model};
 
-use crate::model_fixture::{add, floats, read, read_bytes, triangle};
+use crate::model_fixture::{add, everything, floats, read, read_bytes, triangle};
 
 #[test]
 fn every_damage_has_a_message_that_names_the_object() {
@@ -145,6 +145,14 @@ fn every_damage_has_a_message_that_names_the_object() {
 }
 
 #[test]
+fn the_document_of_the_properties_is_whole() {
+    let model = read(&everything()).unwrap();
+    assert_eq!((model.instances.len(), model.lights.len()), (4, 1));
+    assert_eq!(model.meshes[0].primitives.len(), 2);
+    bake_and_read_again(&model).unwrap();
+}
+
+#[test]
 fn positions_that_are_not_finite_are_named() {
     for (value, word) in [(f32::NAN, "NaN"), (f32::INFINITY, "infinite")] {
         let mut doc = triangle();
@@ -186,6 +194,43 @@ fn glb_of_fern() -> Vec<u8> {
     out
 }
 
+/// JSON pointers to every value in `v` but the root.
+fn pointers(v: &Value, at: String, out: &mut Vec<String>) {
+    match v {
+        Value::Object(members) => {
+            for (k, member) in members {
+                pointers(member, format!("{at}/{}", k.replace('/', "~1")), out);
+            }
+        }
+        Value::Array(list) => {
+            for (i, member) in list.iter().enumerate() {
+                pointers(member, format!("{at}/{i}"), out);
+            }
+        }
+        _ => {}
+    }
+    if !at.is_empty() {
+        out.push(at);
+    }
+}
+
+/// Whatever was read can be written with every encoding, and read again.
+fn bake_and_read_again(model: &Model) -> Result<(), TestCaseError> {
+    let g = Geometry::flatten(model);
+    let foliage = vec![true; g.parts.len()];
+    let parts = BakedPart::split(&g, &g.normals, &g.ambient, &foliage);
+    let options = ExportOptions {
+        color_channel: Some(Channel::G),
+        occlusion_texture: true,
+        back_faces: BackFaces::Duplicate,
+        ..ExportOptions::default()
+    };
+    let glb = gltf(model, &parts, &options).unwrap();
+    let again = read_bytes("again.glb", &glb);
+    prop_assert!(again.is_ok(), "{:?}", again.err());
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -208,16 +253,30 @@ proptest! {
             let g = Geometry::flatten(&model);
             prop_assert!(g.positions.iter().all(|p| p.is_finite()));
             prop_assert!(g.normals.iter().all(|n| n.is_finite()));
-            let foliage = vec![true; g.parts.len()];
-            let parts = BakedPart::split(&g, &g.normals, &g.ambient, &foliage);
-            let options = ExportOptions {
-                color_channel: Some(Channel::G),
-                occlusion_texture: true,
-                back_faces: BackFaces::Duplicate,
-                ..ExportOptions::default()
-            };
-            let glb = gltf(&model, &parts, &options).unwrap();
-            prop_assert!(read_bytes("again.glb", &glb).is_ok());
+            bake_and_read_again(&model)?;
+        }
+    }
+
+    /// Wrong values in the JSON reach every check; whatever is still read can be baked.
+    #[test]
+    fn no_wrong_value_makes_reader_or_writer_panic(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<prop::sample::Index>()), 1..4),
+    ) {
+        let mut doc = everything();
+        for (place, value) in changes {
+            let mut places = Vec::new();
+            pointers(&doc, String::new(), &mut places);
+            let place = &places[place.index(places.len())];
+            let values = [
+                json!(null), json!(true), json!(-1), json!(0), json!(1), json!(2), json!(3.0), json!(0.5),
+                json!(7), json!(255), json!(65535), json!(4_294_967_295u64), json!(u64::MAX), json!(1e300),
+                json!("x"), json!([]), json!([0]), json!([0, 0, 0, 0]), json!({}), json!({"index": 0}),
+                json!(5120), json!(5123), json!(5125), json!(5126), json!("VEC3"), json!("MAT4"),
+            ];
+            *doc.pointer_mut(place).unwrap() = values[value.index(values.len())].clone();
+        }
+        if let Ok(model) = read(&doc) {
+            bake_and_read_again(&model)?;
         }
     }
 
