@@ -1,6 +1,7 @@
 //! What the user sees on stderr: messages, one-line errors, and progress of long work.
 
 use std::fmt::Display;
+use std::io::Write;
 use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -51,6 +52,11 @@ pub fn error(error: &dyn Display) {
     above_progress(&format!("umbrage: {line}"));
 }
 
+/// A line of a report that is worth seeing before the report ends.
+pub fn line(text: &str) {
+    above_progress_on(&mut std::io::stdout(), text);
+}
+
 /// Names the work under way; the line goes when the guard does.
 #[must_use]
 pub fn working(on: impl Display) -> Working {
@@ -59,7 +65,7 @@ pub fn working(on: impl Display) -> Working {
     );
     bar.set_message(on.to_string());
     bar.enable_steady_tick(TICK);
-    let before = line().replace(bar);
+    let before = progress().replace(bar);
     Working { before }
 }
 
@@ -69,9 +75,18 @@ pub struct Working {
     before: Option<ProgressBar>,
 }
 
+impl Working {
+    /// Names the step under way.
+    pub fn step(&self, name: &str) {
+        if let Some(bar) = &*progress() {
+            bar.set_message(name.to_owned());
+        }
+    }
+}
+
 impl Drop for Working {
     fn drop(&mut self) {
-        let ended = std::mem::replace(&mut *line(), self.before.take());
+        let ended = std::mem::replace(&mut *progress(), self.before.take());
         if let Some(bar) = ended {
             bar.finish_and_clear();
         }
@@ -79,13 +94,21 @@ impl Drop for Working {
 }
 
 fn above_progress(text: &str) {
-    let bar = line().clone();
+    above_progress_on(&mut std::io::stderr(), text);
+}
+
+/// Writes a line without tearing the progress line; a reader who has gone is no error.
+fn above_progress_on(stream: &mut dyn Write, text: &str) {
+    let bar = progress().clone();
+    let mut write = || {
+        let _ = writeln!(stream, "{text}");
+    };
     match bar {
-        Some(bar) => bar.suspend(|| eprintln!("{text}")),
-        None => eprintln!("{text}"),
+        Some(bar) => bar.suspend(write),
+        None => write(),
     }
 }
 
-fn line() -> std::sync::MutexGuard<'static, Option<ProgressBar>> {
+fn progress() -> std::sync::MutexGuard<'static, Option<ProgressBar>> {
     LINE.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -15,7 +15,7 @@ const USAGE: u8 = 2;
 
 /// Runs the program with `arguments` (the program's name first) and says how it went.
 ///
-/// 0: done. 1: a check failed (`conform`). 2: wrong usage or input, with one line on stderr and
+/// 0: done. 1: a check failed (`conform`, or a message under `--validate`). 2: wrong usage or input, with one line on stderr and
 /// no output file. 3: the device failed.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(arguments) {
@@ -29,9 +29,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         report.print(context.json())?;
         Ok(report.succeeded())
     });
+    let messages = context.validation_messages();
+    for message in &messages {
+        console::error(message);
+    }
     match ran {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
+        Ok(succeeded) if succeeded && messages.is_empty() => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::FAILURE,
         Err(error) => {
             console::error(&error);
             ExitCode::from(error.exit_code())
@@ -41,7 +45,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn dispatch(context: &Context, command: &Command) -> Result<Report> {
     match command {
+        Command::Grow(args) => command::grow::run(context, args),
         Command::Conform(args) => command::conform::run(context, args),
+        Command::Info(args) => command::info::run(context, args),
+        Command::Settings(args) => command::settings::run(context, args),
+        _ => Err(crate::Error::usage("later")),
     }
 }
 
@@ -61,7 +69,11 @@ fn usage(error: &clap::Error) -> ExitCode {
     let message: Vec<&str> = text
         .lines()
         .map(str::trim)
-        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"))
+        .take_while(|line| {
+            !["Usage:", "For more", "tip:"]
+                .iter()
+                .any(|end| line.starts_with(end))
+        })
         .filter(|line| !line.is_empty())
         .collect();
     let message = message.join(" ");

@@ -6,8 +6,11 @@ pub mod command;
 pub mod conform;
 pub mod console;
 pub mod context;
+pub mod input;
 pub mod output;
 pub mod report;
+pub mod settings;
+pub mod timing;
 pub mod tradeoff;
 
 mod entry;

@@ -115,22 +115,6 @@ impl Display for Table {
     }
 }
 
-/// `1234567` bytes as `1.2 MiB`.
-#[must_use]
-pub fn bytes(count: u64) -> String {
-    const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
-    if count < 1024 {
-        return format!("{count} B");
-    }
-    let mut value = count as f64 / 1024.0;
-    let mut unit = 0;
-    while value >= 1024.0 && unit + 1 < UNITS.len() {
-        value /= 1024.0;
-        unit += 1;
-    }
-    format!("{value:.1} {}", UNITS[unit])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,11 +129,5 @@ mod tests {
             "pass        ms\ndensity    1.5\nsurface  12.25\n",
             "columns line up"
         );
-    }
-
-    #[test]
-    fn bytes_have_a_unit() {
-        assert_eq!(bytes(1023), "1023 B", "below a unit");
-        assert_eq!(bytes(1024 * 1024 * 5 / 2), "2.5 MiB", "with a decimal");
     }
 }

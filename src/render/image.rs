@@ -2,6 +2,9 @@
 
 use crate::Result;
 
+/// Quality of JPEG files, 1..100: no visible blocks around leaves.
+const JPEG_QUALITY: u8 = 90;
+
 /// 8-bit sRGB colour with linear alpha, row by row from the top left.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
@@ -46,6 +49,25 @@ impl Picture {
                 self.height,
                 ExtendedColorType::Rgba8,
             )
+            .map_err(|e| crate::Error::usage(format!("the picture cannot be encoded: {e}")))?;
+        Ok(bytes)
+    }
+
+    /// The bytes of a JPEG file; alpha is left out.
+    ///
+    /// # Errors
+    /// When the encoder fails, as for a picture of more than 65535 pixels across or down.
+    pub fn to_jpeg(&self) -> Result<Vec<u8>> {
+        use ::image::ExtendedColorType;
+        use ::image::codecs::jpeg::JpegEncoder;
+        let rgb: Vec<u8> = self
+            .rgba
+            .chunks_exact(4)
+            .flat_map(|p| [p[0], p[1], p[2]])
+            .collect();
+        let mut bytes = Vec::new();
+        JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
+            .encode(&rgb, self.width, self.height, ExtendedColorType::Rgb8)
             .map_err(|e| crate::Error::usage(format!("the picture cannot be encoded: {e}")))?;
         Ok(bytes)
     }

@@ -1,13 +1,11 @@
-//! Scene files: plants with their places, camera, sun, sky and foliage settings, as TOML.
+//! Scene files: plants with their places, and settings of the picture and the foliage, as TOML.
 //!
 //! ```toml
-//! camera = "25,7"              # as --camera: AZIMUTH,ELEVATION[,DISTANCE] or EX,EY,EZ/TX,TY,TZ
+//! [picture]                    # any picture setting that `umbrage settings` lists
+//! camera = "25,7"
+//! sun = "-30,48"
 //!
-//! [sun]
-//! azimuth = -30.0              # degrees from +z towards +x
-//! elevation = 48.0             # degrees above the horizon
-//!
-//! [foliage]                    # any setting that `umbrage settings` lists
+//! [foliage]                    # any foliage setting
 //! cells = 64
 //!
 //! [[plants]]
@@ -34,41 +32,16 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
-    /// Camera in the form of `--camera`.
-    pub camera: Option<String>,
-    /// Sun, where it differs from the default.
+    /// Which materials and nodes are foliage, as `--foliage` says it.
+    pub foliage_pattern: Option<String>,
+    /// Settings of the picture by name.
     #[serde(default)]
-    pub sun: SunTable,
-    /// Ambient light, where it differs from the default.
-    #[serde(default)]
-    pub sky: SkyTable,
+    pub picture: BTreeMap<String, Scalar>,
     /// Foliage settings by name.
     #[serde(default)]
     pub foliage: BTreeMap<String, Scalar>,
     /// What stands where; at least one.
     pub plants: Vec<Plant>,
-}
-
-/// The sun of a scene file.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SunTable {
-    /// Degrees from +z towards +x.
-    pub azimuth: Option<f64>,
-    /// Degrees above the horizon, -90..90.
-    pub elevation: Option<f64>,
-    /// Linear RGB intensity.
-    pub color: Option<[f32; 3]>,
-}
-
-/// The ambient light of a scene file; both equal is the paper's constant.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SkyTable {
-    /// Linear RGB from above.
-    pub zenith: Option<[f32; 3]>,
-    /// Linear RGB from below.
-    pub ground: Option<[f32; 3]>,
 }
 
 /// The value of a setting.
@@ -201,12 +174,12 @@ mod tests {
     #[test]
     fn a_whole_scene_is_read() {
         let scene = parse(
-            "camera = '25,7'\n[sun]\nazimuth = 10\n[foliage]\ncells = 64\nnormals = 'open'\n\
+            "foliage_pattern = 'leaf'\n[picture]\ncamera = '25,7'\n[foliage]\ncells = 64\nnormals = 'open'\n\
              [[plants]]\nmodel = 'oak.glb'\nat = [1, 2, 3]\nyaw = 90\nscale = 2\n\
              [[plants]]\ngrow = 'shrub'\nseed = 3\n",
         )
         .unwrap();
-        assert_eq!(scene.sun.azimuth, Some(10.0), "sun");
+        assert_eq!(scene.picture["camera"].to_string(), "25,7", "camera");
         assert_eq!(scene.foliage["cells"].to_string(), "64", "settings");
         let oak = &scene.plants[0];
         assert_eq!(

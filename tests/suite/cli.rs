@@ -1,56 +1,210 @@
 //! The program as a user runs it: help, exit codes, one-line errors, no half-written files.
 
-use std::process::{Command, Output};
+use serde_json::json;
+
+use crate::place::{Place, stdout};
+use crate::small_model::{SmallModel, small_tree};
 
 /// Every command of the program.
-const COMMANDS: &[&str] = &["conform"];
-
-/// Runs the program.
-fn umbrage(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_umbrage"))
-        .args(arguments)
-        .output()
-        .expect("the program starts")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// Exit code 2 and exactly one line on stderr, which contains every one of `words`.
-fn assert_refused(arguments: &[&str], words: &[&str]) {
-    let output = umbrage(arguments);
-    let text = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
-    assert_eq!(text.lines().count(), 1, "{arguments:?}: one line: {text}");
-    assert!(text.starts_with("umbrage: "), "{arguments:?}: {text}");
-    for word in words {
-        assert!(text.contains(word), "{arguments:?}: {word:?} in {text}");
-    }
-}
+const COMMANDS: &[&str] = &[
+    "render", "bake", "surface", "grow", "info", "bench", "conform", "tradeoff", "settings",
+];
 
 #[test]
 fn help_names_every_command_and_gives_examples() {
-    let output = umbrage(&["--help"]);
-    assert_eq!(output.status.code(), Some(0), "help succeeds");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let place = Place::new();
+    let help = stdout(&place.umbrage(&["--help"]));
     for command in COMMANDS {
         assert!(
-            text.contains(&format!("\n  {command} ")),
-            "{command} in {text}"
+            help.contains(&format!("\n  {command} ")),
+            "{command} in {help}"
         );
-        let help = umbrage(&[command, "--help"]);
-        let help = String::from_utf8_lossy(&help.stdout).into_owned();
+        let output = place.umbrage(&[command, "--help"]);
+        assert_eq!(output.status.code(), Some(0), "{command} --help");
+        let text = stdout(&output);
         assert!(
-            help.contains(&format!("umbrage {command}")),
-            "example in {help}"
+            text.contains("\nExamples:\n"),
+            "{command}: examples in {text}"
+        );
+        assert!(
+            text.contains(&format!("\n  umbrage {command}")),
+            "{command}: {text}"
+        );
+        assert!(
+            text.contains("--device"),
+            "{command}: global options in {text}"
         );
     }
 }
 
 #[test]
 fn wrong_usage_is_one_line_and_exit_code_2() {
-    assert_refused(&["paint"], &["paint"]);
-    assert_refused(&["conform", "--sizzle"], &["--sizzle"]);
-    assert_refused(&["conform", "no.such.case"], &["no.such.case"]);
+    let place = Place::new();
+    place.assert_refused(&["paint"], &["paint"]);
+    place.assert_refused(&["conform", "--sizzle"], &["--sizzle"]);
+    place.assert_refused(&["conform", "no.such.case"], &["no.such.case"]);
+    place.assert_refused(&["settings", "no-such-setting"], &["no-such-setting"]);
+    place.assert_refused(&["bake", "tree.glb"], &["--output"]);
+    place.assert_refused(&["grow", "cactus", "-o", "x.glb"], &["cactus", "shrub"]);
+    place.assert_refused(&["grow", "shrub"], &["--output"]);
+    place.assert_refused(
+        &["grow", "shrub", "-o", "x.glb", "--leaves", "900000000"],
+        &["leaves", "900000000"],
+    );
+    place.assert_refused(&["render", "grow:cactus", "-o", "x.png"], &["cactus"]);
+    place.assert_refused(
+        &["render", "-o", "x.png", "--view", "sideways"],
+        &["sideways", "standard"],
+    );
+    place.assert_refused(&["--device", "no such device", "info"], &["no such device"]);
+}
+
+#[test]
+fn settings_outside_their_range_are_refused_before_any_work() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    for (option, value, words) in [
+        ("--rho", "0", ["rho", "> 0"]),
+        ("--rho", "-0.1", ["rho", "> 0"]),
+        ("--rho-ambient", "nan", ["rho_ambient", "> 0"]),
+        ("--tau", "-1", ["tau", ">= 0"]),
+        ("--cells", "0", ["cells", "3"]),
+        ("--cells", "5000", ["cells", "1024"]),
+        ("--normals", "sideways", ["normals", "gradient"]),
+    ] {
+        place.assert_refused(&["bake", &tree, "-o", "out.glb", option, value], &words);
+    }
+    place.assert_refused(
+        &[
+            "bake",
+            &tree,
+            "-o",
+            "out.glb",
+            "--cells",
+            "1024",
+            "--memory",
+            "1",
+            "--normals",
+            "vertex",
+        ],
+        &["1 MiB"],
+    );
+    place.assert_refused(
+        &["render", &tree, "-o", "out.png", "--size", "0x600"],
+        &["size"],
+    );
+}
+
+#[test]
+fn files_that_are_no_models_are_refused() {
+    let place = Place::new();
+    place.assert_model_refused("text.glb", "this is a text", &["text.glb"]);
+    place.assert_model_refused("empty.glb", "", &["empty.glb"]);
+    place.assert_model_refused("text.gltf", "{ not json", &["text.gltf"]);
+    place.assert_model_refused("text.xyz", "?", &["xyz"]);
+    place.assert_refused(
+        &["bake", "none.glb", "-o", "out.glb"],
+        &["none.glb", "No such file"],
+    );
+    let whole = small_tree().glb();
+    for length in [4, 12, 19, 40, whole.len() / 2, whole.len() - 1] {
+        place.assert_model_refused("cut.glb", &whole[..length], &["cut.glb"]);
+    }
+}
+
+#[test]
+fn broken_models_are_refused_by_object() {
+    let place = Place::new();
+    let refused = |name: &str, words: &[&str], change: fn(&mut SmallModel)| {
+        place.assert_model_refused(name, small_tree().with(change).glb(), words);
+    };
+    refused("index.glb", &["index 99"], |m| m.set_index(3, 99));
+    refused("nan.glb", &["POSITION", "NaN"], |m| {
+        m.set_position(2, 1, f32::NAN)
+    });
+    refused("inf.glb", &["POSITION", "inf"], |m| {
+        m.set_position(9, 0, f32::INFINITY)
+    });
+    refused("buffer.glb", &["gone.bin"], |m| {
+        m.json["buffers"] = json!([{ "uri": "gone.bin", "byteLength": 4096 }]);
+    });
+    refused("image.glb", &["gone.png"], |m| {
+        m.json["images"] = json!([{ "uri": "gone.png" }]);
+        m.json["textures"] = json!([{ "source": 0 }]);
+        m.json["materials"][0]["pbrMetallicRoughness"] =
+            json!({ "baseColorTexture": { "index": 0 } });
+    });
+    refused("extension.glb", &["EXT_nobody_knows"], |m| {
+        m.json["extensionsUsed"] = json!(["EXT_nobody_knows"]);
+        m.json["extensionsRequired"] = json!(["EXT_nobody_knows"]);
+    });
+    refused("accessor.glb", &["accessor"], |m| {
+        m.json["accessors"][0]["count"] = json!(100_000)
+    });
+    refused("bare.glb", &["Wood", "Bark", "--foliage"], |m| {
+        m.json["materials"][0] = json!({ "name": "Wood" });
+    });
+}
+
+#[test]
+fn scene_files_are_checked_by_line_and_plant() {
+    let place = Place::new();
+    place.write("tree.glb", small_tree().glb());
+    let refused = |text: &str, words: &[&str]| {
+        let scene = place.write("scene.toml", text);
+        let words = [&["scene.toml"], words].concat();
+        place.assert_refused(&["render", &scene, "-o", "out.png"], &words);
+    };
+    refused("plants = []", &["plants"]);
+    refused(
+        "[[plants]]\nmodel = 'tree.glb'\nyow = 3",
+        &["line 3", "yow"],
+    );
+    refused("[[plants]]\nmodel = 'none.glb'", &["plant 0", "none.glb"]);
+    refused(
+        "[[plants]]\nmodel = 'tree.glb'\nscale = -1",
+        &["plant 0", "scale"],
+    );
+}
+
+#[test]
+fn unwritable_outputs_are_told_before_the_work() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    place.write("folder/file", "");
+    for command in ["bake", "surface", "render"] {
+        for output in ["none/out.glb", "folder", "folder/file/out.glb"] {
+            place.assert_refused(&[command, &tree, "-o", output], &[output, "output"]);
+        }
+        // Told before the model is even looked for.
+        place.assert_refused(
+            &[command, "none.glb", "-o", "none/out.glb"],
+            &["none/out.glb"],
+        );
+    }
+    place.assert_refused(&["grow", "shrub", "-o", "none/out.glb"], &["none/out.glb"]);
+    // A scene goes into a folder, and a file stands in its way.
+    let scene = place.write("scene.toml", "[[plants]]\nmodel = 'tree.glb'");
+    place.assert_refused(&["bake", &scene, "-o", "folder/file"], &["folder/file"]);
+}
+
+#[test]
+fn info_tells_facts_and_plan() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    let info = place.json(&["info", &tree]);
+    assert_eq!(info["model"]["vertices"], 11, "{info:#}");
+    assert_eq!(info["model"]["triangles"], 5, "{info:#}");
+    assert_eq!(info["model"]["foliage"]["vertices"], 8, "{info:#}");
+    assert_eq!(info["model"]["materials"][0]["foliage"], true, "{info:#}");
+    let bytes = |arguments: &[&str]| {
+        let plan = place.json(&[&["info", tree.as_str()], arguments].concat());
+        plan["plan"]["bytes"].as_u64().unwrap()
+    };
+    let whole = bytes(&[]);
+    assert!(
+        bytes(&["--shadows", "off"]) < whole,
+        "no shadow map without shadows"
+    );
+    assert!(bytes(&["--samples", "1"]) < whole, "less with one sample");
 }

@@ -7,6 +7,7 @@
 
 mod architecture;
 mod cli;
+mod cli_work;
 mod export;
 mod fixture;
 mod foliage_encode;
@@ -18,3 +19,5 @@ mod gpu;
 mod model_fixture;
 mod models;
 mod models_damage;
+mod place;
+mod small_model;

@@ -1,3 +1,6 @@
 //! One file per command.
 
 pub mod conform;
+pub mod grow;
+pub mod info;
+pub mod settings;

@@ -1,27 +1,9 @@
-//! Arguments of every command.
+//! Options of every command.
 
 use std::path::PathBuf;
 
-use clap::{ArgAction, Args, Parser, Subcommand};
+use clap::{ArgAction, Args};
 use log::LevelFilter;
-
-/// Bakes, lights and draws foliage with Vulkan.
-#[derive(Debug, Parser)]
-#[command(version, about, long_about = None, after_help = EXAMPLES, max_term_width = 100)]
-pub struct Cli {
-    /// Options of every command.
-    #[command(flatten)]
-    pub global: GlobalArgs,
-    /// What to do.
-    #[command(subcommand)]
-    pub command: Command,
-}
-
-const EXAMPLES: &str = "\
-Examples:
-  umbrage conform                   check every kernel on this device against its CPU twin
-
-Exit codes: 0 done, 1 a check failed, 2 wrong usage or input, 3 the device failed.";
 
 /// Options that every command takes.
 #[derive(Debug, Clone, Default, Args)]
@@ -63,41 +45,5 @@ impl GlobalArgs {
             (false, 1) => LevelFilter::Info,
             (false, _) => LevelFilter::Debug,
         }
-    }
-}
-
-/// The commands.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// Check every kernel on the device against its CPU twin
-    #[command(after_help = ConformArgs::EXAMPLES)]
-    Conform(ConformArgs),
-}
-
-/// Arguments of `conform`.
-#[derive(Debug, Clone, Default, Args)]
-pub struct ConformArgs {
-    /// Run only cases whose name contains this
-    pub filter: Option<String>,
-    /// List the cases and run none
-    #[arg(long)]
-    pub list: bool,
-}
-
-impl ConformArgs {
-    const EXAMPLES: &str = "\
-Examples:
-  umbrage conform
-  umbrage conform foliage.density
-  umbrage --device swiftshader conform --json";
-}
-
-#[cfg(test)]
-mod tests {
-    use clap::CommandFactory as _;
-
-    #[test]
-    fn arguments_are_consistent() {
-        super::Cli::command().debug_assert();
     }
 }

@@ -1,0 +1,136 @@
+//! `umbrage render`: a picture, or a sheet of views side by side and models below each other.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::Result;
+use crate::app::cli::RenderArgs;
+use crate::app::input::Source;
+use crate::app::output::PendingFile;
+use crate::app::prepared::Prepared;
+use crate::app::settings::picture_settings;
+use crate::app::timing::Timings;
+use crate::app::{Context, Report, console};
+use crate::foliage::bake::Bake;
+use crate::render::{self, Baked, Picture, Plan, Renderer, Subject, View};
+
+/// Draws the picture.
+///
+/// # Errors
+/// Wrong input or settings, an unwritable output, a failing device.
+pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
+    picture_settings(None, &args.picture)?;
+    let output = PendingFile::create(&args.output)?;
+    let views: &[View] = if args.compare.is_empty() {
+        std::slice::from_ref(&args.view)
+    } else {
+        &args.compare
+    };
+    let mut timings = Timings::default();
+    let mut pictures = Vec::new();
+    let mut models = Vec::new();
+    for source in &args.inputs {
+        let drawn = draw(context, args, source, views, &mut timings)?;
+        models.push(json!({ "model": drawn.name, "device_bytes": drawn.device_bytes }));
+        for (view, picture) in views.iter().zip(drawn.pictures) {
+            let label = if args.inputs.len() > 1 {
+                format!("{}, {view}", drawn.name)
+            } else {
+                view.to_string()
+            };
+            pictures.push((label, picture));
+        }
+    }
+    let picture = match <[_; 1]>::try_from(pictures) {
+        Ok([(_, picture)]) => picture,
+        Err(pictures) => render::sheet(&pictures, views.len()),
+    };
+    let bytes = timings.measure("encode", || encode(&picture, output.path()))?;
+    output.commit(&bytes)?;
+    Ok(report(context, args, &picture, models, &timings))
+}
+
+/// All views of one input.
+struct Drawn {
+    name: String,
+    pictures: Vec<Picture>,
+    device_bytes: u64,
+}
+
+fn draw(
+    context: &Context,
+    args: &RenderArgs,
+    source: &Source,
+    views: &[View],
+    timings: &mut Timings,
+) -> Result<Drawn> {
+    let pattern = args.model.foliage.as_deref();
+    let textures = &args.model.textures;
+    let prepared = Prepared::new(source, textures, pattern, &args.settings, timings)?;
+    let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
+    let baked = if views.iter().any(|v| v.needs_bake()) {
+        Some(prepared.bake(context, timings)?.bake)
+    } else {
+        None
+    };
+    let subject = subject(&prepared, baked.as_ref());
+    let plan = Plan::new(&subject, &settings, views)?;
+    let device_bytes = plan.bytes();
+    let gpu = context.gpu()?;
+    let _working = console::working("drawing");
+    let mut renderer =
+        timings.measure("upload", || Renderer::new(gpu, &subject, &settings, plan))?;
+    let mut pictures = Vec::new();
+    for &view in views {
+        let rendered = timings.measure("draw", || renderer.render_view(view))?;
+        timings.add_passes(&rendered.passes);
+        pictures.push(rendered.picture);
+    }
+    Ok(Drawn {
+        name: prepared.input.model.name.clone(),
+        pictures,
+        device_bytes,
+    })
+}
+
+/// What the renderer is given: the model and, if there is one, its bake.
+pub(super) fn subject<'a>(prepared: &'a Prepared, bake: Option<&'a Bake>) -> Subject<'a> {
+    Subject {
+        baked: bake.map(|bake| Baked {
+            normals: &bake.normals,
+            ambient: &bake.ambient,
+            foliage_parts: &bake.foliage_parts,
+        }),
+        ..Subject::new(&prepared.input.model, &prepared.geometry)
+    }
+}
+
+/// PNG, or JPEG where the name says so.
+fn encode(picture: &Picture, path: &Path) -> Result<Vec<u8>> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if extension == "jpg" || extension == "jpeg" {
+        picture.to_jpeg()
+    } else {
+        picture.to_png()
+    }
+}
+
+fn report(
+    context: &Context,
+    args: &RenderArgs,
+    picture: &Picture,
+    models: Vec<Value>,
+    timings: &Timings,
+) -> Report {
+    let Picture { width, height, .. } = picture;
+    let mut text = format!("{}: {width}x{height}\n", args.output.display());
+    if context.timings() {
+        text += &format!("\n{}", timings.table());
+    }
+    let json = json!({
+        "output": args.output, "width": width, "height": height, "models": models,
+        "times": timings.json(),
+    });
+    Report::new(text, json)
+}
