@@ -45,11 +45,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn dispatch(context: &Context, command: &Command) -> Result<Report> {
     match command {
-        Command::Grow(args) => command::grow::run(context, args),
         Command::Conform(args) => command::conform::run(context, args),
         Command::Info(args) => command::info::run(context, args),
         Command::Settings(args) => command::settings::run(context, args),
-        _ => Err(crate::Error::usage("later")),
     }
 }
 

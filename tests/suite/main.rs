@@ -7,7 +7,6 @@
 
 mod architecture;
 mod cli;
-mod cli_work;
 mod export;
 mod fixture;
 mod foliage_encode;

@@ -40,24 +40,9 @@ Exit codes: 0 done, 1 a check failed, 2 wrong usage or input, 3 the device faile
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Draw a picture
-    #[command(after_help = RenderArgs::EXAMPLES)]
-    Render(Box<RenderArgs>),
-    /// Write the model with realigned normals and ambient coefficients
-    #[command(after_help = BakeArgs::EXAMPLES)]
-    Bake(Box<BakeArgs>),
-    /// Write the implicit surface around the foliage as a mesh
-    #[command(after_help = SurfaceArgs::EXAMPLES)]
-    Surface(Box<SurfaceArgs>),
-    /// Grow a plant and write it as a model
-    #[command(after_help = GrowArgs::EXAMPLES)]
-    Grow(GrowArgs),
     /// Tell what a model holds and what drawing it would need, or which devices there are
     #[command(after_help = InfoArgs::EXAMPLES)]
     Info(Box<InfoArgs>),
-    /// Time every pass
-    #[command(after_help = BenchArgs::EXAMPLES)]
-    Bench(Box<BenchArgs>),
     /// Check every kernel on the device against its CPU twin
     #[command(after_help = ConformArgs::EXAMPLES)]
     Conform(ConformArgs),

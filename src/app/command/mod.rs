@@ -1,6 +1,5 @@
 //! One file per command.
 
 pub mod conform;
-pub mod grow;
 pub mod info;
 pub mod settings;
