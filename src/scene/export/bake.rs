@@ -12,6 +12,7 @@ use super::placement::{self, Places};
 use super::writer::{Output, object};
 use super::{BackFaces, BakedPart, Channel, ExportOptions};
 use crate::scene::gltf_document::GltfDocument;
+use crate::scene::import::accessor::Component;
 use crate::scene::import::json::integer;
 use crate::scene::model::{Model, Primitive};
 
@@ -172,29 +173,49 @@ impl Editor<'_> {
         if was_float {
             self.attribute("COLOR_0", &colors);
         } else {
-            let accessor = self.output.unorm16(&colors);
-            object(&mut self.json()["attributes"]).insert("COLOR_0".into(), json!(accessor));
+            let quantised = unorm16(&colors);
+            self.write("COLOR_0", Component::U16, &quantised);
         }
     }
 
-    /// Sets an attribute: over the old bytes where nobody else reads them, else appended.
+    /// Sets an attribute of floats.
     fn attribute<const N: usize>(&mut self, name: &str, values: &[[f32; N]]) {
+        self.write(name, Component::F32, values);
+    }
+
+    /// Sets an attribute: over the old bytes where nobody else reads them, else appended.
+    fn write<T: bytemuck::Pod, const N: usize>(
+        &mut self,
+        name: &str,
+        component: Component,
+        values: &[[T; N]],
+    ) {
         let old = integer(&self.json()["attributes"], name).ok().flatten();
-        let layout = old.and_then(|i| self.usage?.writable(i, N, values.len()));
+        let layout = old.and_then(|i| self.usage?.writable(i, component, N, values.len()));
         let base = layout.and_then(|l| self.output.bases[l.buffer?]);
         if let (Some(i), Some(layout), Some(base)) = (old, layout, base) {
             for (k, value) in values.iter().enumerate() {
                 let at = base + layout.start + k * layout.stride;
-                self.output.bin[at..at + 4 * N].copy_from_slice(bytemuck::cast_slice(value));
+                let bytes = bytemuck::cast_slice(value);
+                self.output.bin[at..at + bytes.len()].copy_from_slice(bytes);
             }
             let accessor = object(&mut self.output.json["accessors"][i]);
             accessor.shift_remove("min");
             accessor.shift_remove("max");
             return;
         }
-        let accessor = self.output.floats(values);
+        let accessor = match component {
+            Component::F32 => self.output.floats(values),
+            _ => self.output.unorm16(values),
+        };
         object(&mut self.json()["attributes"]).insert(name.to_owned(), json!(accessor));
     }
+}
+
+/// Values in \[0,1\] as normalised 16-bit integers.
+fn unorm16(values: &[[f32; 4]]) -> Vec<[u16; 4]> {
+    let quantise = |c: f32| (c.clamp(0.0, 1.0) * 65535.0).round() as u16;
+    values.iter().map(|v| v.map(quantise)).collect()
 }
 
 /// World normals in the node's frame: normals go to the world by the inverse transpose, so

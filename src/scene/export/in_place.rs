@@ -71,11 +71,18 @@ impl Usage {
         }
     }
 
-    /// Where `count` elements of `width` floats may be written over accessor `i`.
-    pub(super) fn writable(&self, i: usize, width: usize, count: usize) -> Option<Layout> {
+    /// Where `count` elements of `width` components may be written over accessor `i`.
+    pub(super) fn writable(
+        &self,
+        i: usize,
+        component: Component,
+        width: usize,
+        count: usize,
+    ) -> Option<Layout> {
         let layout = (*self.layouts.get(i)?)?;
         let buffer = layout.buffer?;
-        let fits = layout.component == Component::F32
+        let fits = layout.component == component
+            && layout.normalized == (component != Component::F32)
             && (layout.width, layout.count) == (width, count)
             && count > 0;
         if !fits || self.references[i] != 1 || self.sparse[i] {
@@ -145,6 +152,7 @@ fn count(v: &Value, key: &str, references: &mut [u32]) {
 
 #[cfg(test)]
 mod tests {
+    use super::Component::F32;
     use super::*;
     use serde_json::json;
 
@@ -171,18 +179,21 @@ mod tests {
     #[test]
     fn only_bytes_that_nobody_else_reads_are_writable() {
         let u = usage(|_| ());
-        assert!(u.writable(0, 3, 4).is_none(), "shared by two primitives");
-        assert_eq!(u.writable(1, 3, 4).unwrap().start, 12);
-        assert_eq!(u.writable(2, 3, 4).unwrap().start, 96);
-        assert!(u.writable(2, 1, 4).is_none() && u.writable(2, 3, 3).is_none());
+        assert!(
+            u.writable(0, F32, 3, 4).is_none(),
+            "shared by two primitives"
+        );
+        assert_eq!(u.writable(1, F32, 3, 4).unwrap().start, 12);
+        assert_eq!(u.writable(2, F32, 3, 4).unwrap().start, 96);
+        assert!(u.writable(2, F32, 1, 4).is_none() && u.writable(2, F32, 3, 3).is_none());
         let overlapping = usage(|j| j["accessors"][0]["byteOffset"] = json!(8));
-        assert!(overlapping.writable(1, 3, 4).is_none());
+        assert!(overlapping.writable(1, F32, 3, 4).is_none());
         let image = usage(|j| {
             let view = json!({"buffer": 0, "byteOffset": 140, "byteLength": 4});
             j["bufferViews"].as_array_mut().unwrap().push(view);
         });
-        assert!(image.writable(2, 3, 4).is_none());
+        assert!(image.writable(2, F32, 3, 4).is_none());
         let morph = usage(|j| j["meshes"][0]["primitives"][0]["targets"] = json!([{"NORMAL": 2}]));
-        assert!(morph.writable(2, 3, 4).is_none());
+        assert!(morph.writable(2, F32, 3, 4).is_none());
     }
 }

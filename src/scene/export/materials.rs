@@ -149,18 +149,20 @@ fn edit(material: &mut Value, change: Change, ramp: Option<usize>) {
 
 /// Appends the ramp: red is the coordinate u, read with linear filtering.
 fn ramp_texture(output: &mut Output) -> usize {
-    let existing = output.json.get("images").and_then(Value::as_array);
-    let image = existing.and_then(|list| {
-        list.iter()
-            .position(|i| i.get("name") == Some(&json!(RAMP_NAME)))
-    });
-    let image = image.unwrap_or_else(|| {
-        let pixels: Vec<u8> = (0..=255u8).flat_map(|v| [v, v, v, 255]).collect();
-        let png = encode_png(RAMP_TEXELS, 1, &pixels).expect("the ramp has its size");
-        let view = output.view(&png, None);
-        let image = json!({"name": RAMP_NAME, "mimeType": "image/png", "bufferView": view});
-        output.push("images", image)
-    });
+    let position = |list: &str, key: &str, value: Value| {
+        let list = output.json.get(list).and_then(Value::as_array)?;
+        list.iter().position(|v| v.get(key) == Some(&value))
+    };
+    if let Some(image) = position("images", "name", json!(RAMP_NAME)) {
+        if let Some(texture) = position("textures", "source", json!(image)) {
+            return texture;
+        }
+    }
+    let pixels: Vec<u8> = (0..=255u8).flat_map(|v| [v, v, v, 255]).collect();
+    let png = encode_png(RAMP_TEXELS, 1, &pixels).expect("the ramp has its size");
+    let view = output.view(&png, None);
+    let image = json!({"name": RAMP_NAME, "mimeType": "image/png", "bufferView": view});
+    let image = output.push("images", image);
     const CLAMP: u32 = 33071;
     const LINEAR: u32 = 9729;
     let sampler = json!({

@@ -1,5 +1,6 @@
 //! A document being written: its JSON and the one binary chunk.
 
+use bytemuck::Pod;
 use serde_json::{Map, Value, json};
 
 use crate::scene::gltf_document::GltfDocument;
@@ -140,24 +141,18 @@ impl Output {
         self.push("accessors", accessor)
     }
 
-    /// A float attribute.
-    pub(super) fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
-        self.accessor(
-            bytemuck::cast_slice(values.as_flattened()),
-            F32,
-            N,
-            values.len(),
-        )
+    /// An attribute of floats.
+    pub(super) fn floats<T: Pod, const N: usize>(&mut self, values: &[[T; N]]) -> usize {
+        assert_eq!(size_of::<T>(), 4, "a float has four bytes");
+        let bytes = bytemuck::cast_slice(values.as_flattened());
+        self.accessor(bytes, F32, N, values.len())
     }
 
-    /// An attribute of values in \[0,1\] as normalised 16-bit integers.
-    pub(super) fn unorm16(&mut self, values: &[[f32; 4]]) -> usize {
-        let quantised: Vec<[u16; 4]> = values
-            .iter()
-            .map(|v| v.map(|c| (c.clamp(0.0, 1.0) * 65535.0).round() as u16))
-            .collect();
-        let bytes = bytemuck::cast_slice(quantised.as_flattened());
-        self.accessor(bytes, U16, 4, values.len())
+    /// An attribute of normalised 16-bit integers.
+    pub(super) fn unorm16<T: Pod, const N: usize>(&mut self, values: &[[T; N]]) -> usize {
+        assert_eq!(size_of::<T>(), 2, "a 16-bit integer has two bytes");
+        let bytes = bytemuck::cast_slice(values.as_flattened());
+        self.accessor(bytes, U16, N, values.len())
     }
 
     /// Triangle indices, 16-bit where they fit (65535 is reserved).
