@@ -153,10 +153,10 @@ fn ramp_texture(output: &mut Output) -> usize {
         let list = output.json.get(list).and_then(Value::as_array)?;
         list.iter().position(|v| v.get(key) == Some(&value))
     };
-    if let Some(image) = position("images", "name", json!(RAMP_NAME)) {
-        if let Some(texture) = position("textures", "source", json!(image)) {
-            return texture;
-        }
+    if let Some(image) = position("images", "name", json!(RAMP_NAME))
+        && let Some(texture) = position("textures", "source", json!(image))
+    {
+        return texture;
     }
     let pixels: Vec<u8> = (0..=255u8).flat_map(|v| [v, v, v, 255]).collect();
     let png = encode_png(RAMP_TEXELS, 1, &pixels).expect("the ramp has its size");
