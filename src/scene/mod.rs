@@ -5,6 +5,7 @@ pub mod export;
 pub mod extensions;
 pub mod geometry;
 pub mod gltf_document;
+pub mod grow;
 pub mod import;
 pub mod light;
 pub mod model;
