@@ -275,9 +275,9 @@ impl Grid {
             + f64::from(self.cell) * DVec3::from(node.map(f64::from))
     }
 
-    /// Trilinear interpolation of node values at `q`, clamped to the grid.
+    /// The eight nodes around `q` (clamped to the grid) and their trilinear weights.
     #[must_use]
-    pub fn sample(&self, values: &[f64], q: DVec3) -> f64 {
+    pub fn corners(&self, q: DVec3) -> [(usize, f64); 8] {
         let u = (q - DVec3::from(self.origin.map(f64::from))) / f64::from(self.cell);
         let (mut low, mut t) = ([0u32; 3], [0.0; 3]);
         for axis in 0..3 {
@@ -285,14 +285,21 @@ impl Grid {
             low[axis] = (c as u32).min(self.nodes[axis] - 2);
             t[axis] = c - f64::from(low[axis]);
         }
-        let mut sum = 0.0;
-        for corner in 0..8u32 {
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|corner: u32| {
             let bit = [0, 1, 2].map(|axis| corner >> axis & 1);
-            let weight: f64 = (0..3)
+            let weight = (0..3)
                 .map(|a| if bit[a] == 1 { t[a] } else { 1.0 - t[a] })
                 .product();
-            sum += weight * values[self.index([0, 1, 2].map(|a| low[a] + bit[a]))];
-        }
-        sum
+            (self.index([0, 1, 2].map(|a| low[a] + bit[a])), weight)
+        })
+    }
+
+    /// Trilinear interpolation of node values at `q`, clamped to the grid.
+    #[must_use]
+    pub fn sample(&self, values: &[f64], q: DVec3) -> f64 {
+        self.corners(q)
+            .iter()
+            .map(|&(node, weight)| weight * values[node])
+            .sum()
     }
 }

@@ -7,3 +7,4 @@ pub mod encode;
 pub mod generators;
 pub mod marching_cubes;
 pub mod realign;
+pub mod skylight;
