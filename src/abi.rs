@@ -126,6 +126,8 @@ abi! {
         NORM_MANHATTAN: u32 = 1;
         /// L-infinity.
         NORM_MAXIMUM: u32 = 2;
+        /// Invocations that sweep one direction of the skylight.
+        SKY_GROUP: u32 = 256;
         /// Below this |grad D| times the radius the gradient has no direction.
         GRADIENT_FLOOR: f32 = 1e-3;
         /// Below this length a mean of unit vectors has no direction.
@@ -229,6 +231,44 @@ abi! {
             bin_edge: f32,
             /// Bins per axis.
             bins: [u32; 3],
+        }
+
+        /// Push constants of `foliage/sky_depth.comp`.
+        SkyDepth {
+            /// Nodes per axis of the leaf-area grid.
+            nodes: [u32; 3],
+            /// Cell size.
+            cell: f32,
+            /// First direction of the batch.
+            first: u32,
+            /// Directions of the batch: groups of `SKY_GROUP` invocations.
+            count: u32,
+        }
+
+        /// Push constants of `foliage/sky_light.comp`.
+        SkyLight {
+            /// Nodes.
+            node_count: u32,
+            /// First direction of the batch; 0 starts the sum.
+            first: u32,
+            /// Directions of the batch.
+            count: u32,
+            /// 1 / all directions.
+            share: f32,
+            /// Extinction per leaf area: 0.5 for leaves at random angles.
+            extinction: f32,
+        }
+
+        /// Push constants of `foliage/sky_gather.comp`.
+        SkyGather {
+            /// Position of node (0,0,0).
+            origin: [f32; 3],
+            /// Cell size.
+            cell: f32,
+            /// Nodes per axis.
+            nodes: [u32; 3],
+            /// Points.
+            count: u32,
         }
 
         /// Push constants of `foliage/field.comp`.

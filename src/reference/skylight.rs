@@ -30,10 +30,12 @@ pub fn sky_depth(grid: &Grid, leaf_area: &[f64], w: DVec3) -> Vec<f64> {
                 let mut node = [0; 3];
                 (node[axis], node[b], node[c]) = (slab, u, v);
                 let at = grid.index(node);
-                let hit = Meeting::new(grid, axis, next, [
-                    f64::from(u) + shift[0],
-                    f64::from(v) + shift[1],
-                ]);
+                let hit = Meeting::new(
+                    grid,
+                    axis,
+                    next,
+                    [f64::from(u) + shift[0], f64::from(v) + shift[1]],
+                );
                 let way = 0.5 * length * (leaf_area[at] + hit.sample(leaf_area));
                 depth[at] = way + hit.sample(&depth);
             }
@@ -73,7 +75,9 @@ impl Meeting {
     }
 
     fn sample(&self, values: &[f64]) -> f64 {
-        (0..4).map(|i| self.weights[i] * values[self.nodes[i]]).sum()
+        (0..4)
+            .map(|i| self.weights[i] * values[self.nodes[i]])
+            .sum()
     }
 }
 

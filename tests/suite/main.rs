@@ -12,6 +12,7 @@ mod fixture;
 mod foliage_encode;
 mod foliage_field;
 mod foliage_realign;
+mod foliage_skylight;
 mod foliage_surface;
 mod foliage_traced;
 mod gpu;

@@ -4,6 +4,7 @@
 //! cases, so `umbrage conform` and the tests cannot drift apart.
 
 mod gpu;
+mod skylight;
 
 use crate::Result;
 use crate::gpu::Gpu;
@@ -39,5 +40,7 @@ impl Outcome {
 /// Every case of every room, in the order they are run.
 #[must_use]
 pub fn cases() -> Vec<Case> {
-    gpu::cases()
+    let mut cases = gpu::cases();
+    cases.extend(skylight::cases());
+    cases
 }

@@ -1,0 +1,33 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "abi.glsl"
+#include "dispatch.glsl"
+
+// Light at points, by trilinear interpolation between the nodes; points beyond the grid take the
+// nearest.
+
+layout(local_size_x = GROUP_1D) in;
+layout(set = 0, binding = 0, scalar) restrict readonly buffer Points { vec4 points[]; };
+layout(set = 0, binding = 1, scalar) restrict readonly buffer Light { vec4 light[]; };
+layout(set = 0, binding = 2, scalar) restrict writeonly buffer Gathered { vec4 gathered[]; };
+layout(push_constant, scalar) uniform Push { SkyGather push; };
+
+void main() {
+    uint i = flat_invocation();
+    if (i >= push.count) {
+        return;
+    }
+    vec3 u = clamp((points[i].xyz - push.origin) / push.cell, vec3(0.0), vec3(push.nodes - 1u));
+    uvec3 low = min(uvec3(u), push.nodes - 2u);
+    vec3 t = u - vec3(low);
+    vec4 sum = vec4(0.0);
+    for (uint corner = 0u; corner < 8u; ++corner) {
+        uvec3 bits = uvec3(corner & 1u, (corner >> 1u) & 1u, corner >> 2u);
+        vec3 w = mix(1.0 - t, t, vec3(bits));
+        uvec3 node = low + bits;
+        uint at = node.x + push.nodes.x * (node.y + push.nodes.y * node.z);
+        sum += w.x * w.y * w.z * light[at];
+    }
+    gathered[i] = sum;
+}
