@@ -1,12 +1,15 @@
 //! `EXT_meshopt_compression`: compressed views are decoded into a buffer of their own and the
 //! JSON is rewritten as if the file had never been compressed.
 
+use std::collections::BTreeSet;
+
 use meshopt::{
     decode_filter_exp, decode_filter_oct, decode_filter_quat, decode_index_buffer,
     decode_index_sequence, decode_vertex_buffer,
 };
 use serde_json::{Value, json};
 
+use super::accessor::Source;
 use super::json::{Check, Of, array, extension, index, integer, required, text};
 
 const NAME: &str = "EXT_meshopt_compression";
@@ -36,6 +39,7 @@ pub(super) fn expand(json: &mut Value, buffers: &mut Vec<Vec<u8>>) -> Check<()> 
         return Ok(());
     }
     let new_buffer = buffers.len();
+    let expanded: BTreeSet<usize> = places.iter().map(|p| p.0).collect();
     for (i, start, length, stride) in places {
         let view = &mut json["bufferViews"][i];
         // A stride is only allowed on vertex attributes; index data is packed.
@@ -52,6 +56,7 @@ pub(super) fn expand(json: &mut Value, buffers: &mut Vec<Vec<u8>>) -> Check<()> 
         list.push(json!({"byteLength": out.len()}));
     }
     buffers.push(out);
+    restate_bounds(json, buffers, &expanded)?;
     for key in ["extensionsUsed", "extensionsRequired"] {
         if let Some(list) = json.get_mut(key).and_then(Value::as_array_mut) {
             list.retain(|n| n != NAME);
@@ -59,6 +64,34 @@ pub(super) fn expand(json: &mut Value, buffers: &mut Vec<Vec<u8>>) -> Check<()> 
                 json.as_object_mut().map(|o| o.shift_remove(key));
             }
         }
+    }
+    Ok(())
+}
+
+/// Filters are lossy: `min` and `max` of floats are stated anew for what was decoded.
+fn restate_bounds(json: &mut Value, buffers: &[Vec<u8>], expanded: &BTreeSet<usize>) -> Check<()> {
+    let source = Source::new(json, buffers)?;
+    let mut bounds = Vec::new();
+    for (i, accessor) in array(json, "accessors")?.iter().enumerate() {
+        let view = integer(accessor, "bufferView")?;
+        let stated = accessor.get("min").is_some() && accessor.get("max").is_some();
+        let float = integer(accessor, "componentType")? == Some(5126);
+        if !stated || !float || !view.is_some_and(|v| expanded.contains(&v)) {
+            continue;
+        }
+        if text(accessor, "type")? == Some("VEC3") {
+            let values = source.vectors::<3>(i)?;
+            let range = |pick: fn(f32, f32) -> f32| {
+                let all = values.iter().copied();
+                let one = all.reduce(|a, b| std::array::from_fn(|c| pick(a[c], b[c])));
+                one.map(|v| v.map(f64::from))
+            };
+            bounds.push((i, range(f32::min), range(f32::max)));
+        }
+    }
+    for (i, min, max) in bounds {
+        json["accessors"][i]["min"] = json!(min);
+        json["accessors"][i]["max"] = json!(max);
     }
     Ok(())
 }
