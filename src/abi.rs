@@ -344,6 +344,12 @@ abi! {
             depth_scale: f32,
             /// Base colour of untextured views.
             clay: [f32; 3],
+            /// Distance of the near plane, metres: eye depth is near / depth.
+            near: f32,
+            /// A pixel's edges over half the picture's.
+            pixel: [f32; 2],
+            /// Reach of the shadow filter, texels.
+            shadow_reach: f32,
         }
 
         /// Push constants of one draw: a material.
@@ -366,6 +372,8 @@ abi! {
             transmission: [f32; 3],
             /// `MATERIAL_*` bits.
             flags: u32,
+            /// Place in the table of materials.
+            id: u32,
         }
 
         /// A punctual light, relative to the geometry's origin.

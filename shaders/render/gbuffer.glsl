@@ -10,22 +10,30 @@ layout(constant_id = 7) const uint CHANNEL_1 = 1;
 layout(constant_id = 8) const uint CHANNEL_2 = 2;
 layout(constant_id = 9) const uint CHANNEL_3 = 3;
 
-bool wants(uint channel) {
-    return CHANNEL_0 == channel || CHANNEL_1 == channel || CHANNEL_2 == channel
-        || CHANNEL_3 == channel;
-}
-
-vec4 channel_value(uint channel, Fragment f) {
+vec4 channel_value(uint channel, Surface s) {
     if (channel == CHANNEL_NORMAL) {
-        return vec4(f.normal, f.ambient);
+        return vec4(normalize(s.normal), s.ambient);
     }
     if (channel == CHANNEL_DEPTH) {
         return vec4(dot(in_position - frame.eye, frame.forward));
     }
     if (channel == CHANNEL_ALBEDO) {
-        return vec4(f.albedo, 1.0);
+        return vec4(s.albedo, 1.0);
     }
-    return vec4(f.light, f.sun);
+    float sun = SHADOWED ? sun_visibility(in_position, s.steepness) : 1.0;
+    vec3 light = illuminate(in_position, normalize(s.normal), s.albedo, s.ambient, sun,
+                            material.specular, material.shininess, material.transmission);
+    return vec4(light, sun);
+}
+
+// The fragment's surface; cut leaves end here.
+Surface kept_surface() {
+    float coverage;
+    Surface s = surface(coverage);
+    if (coverage == 0.0) {
+        discard;
+    }
+    return s;
 }
 
 #endif

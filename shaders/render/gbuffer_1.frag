@@ -6,6 +6,6 @@
 layout(location = 0) out vec4 out_0;
 
 void main() {
-    Fragment f = fragment(wants(CHANNEL_SHADE));
-    out_0 = channel_value(CHANNEL_0, f);
+    Surface s = kept_surface();
+    out_0 = channel_value(CHANNEL_0, s);
 }

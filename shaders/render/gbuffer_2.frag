@@ -7,7 +7,7 @@ layout(location = 0) out vec4 out_0;
 layout(location = 1) out vec4 out_1;
 
 void main() {
-    Fragment f = fragment(wants(CHANNEL_SHADE));
-    out_0 = channel_value(CHANNEL_0, f);
-    out_1 = channel_value(CHANNEL_1, f);
+    Surface s = kept_surface();
+    out_0 = channel_value(CHANNEL_0, s);
+    out_1 = channel_value(CHANNEL_1, s);
 }

@@ -8,8 +8,8 @@ layout(location = 1) out vec4 out_1;
 layout(location = 2) out vec4 out_2;
 
 void main() {
-    Fragment f = fragment(wants(CHANNEL_SHADE));
-    out_0 = channel_value(CHANNEL_0, f);
-    out_1 = channel_value(CHANNEL_1, f);
-    out_2 = channel_value(CHANNEL_2, f);
+    Surface s = kept_surface();
+    out_0 = channel_value(CHANNEL_0, s);
+    out_1 = channel_value(CHANNEL_1, s);
+    out_2 = channel_value(CHANNEL_2, s);
 }

@@ -7,11 +7,8 @@
 #include "abi.glsl"
 #include "shade.glsl"
 
-layout(constant_id = 1) const bool HAS_TEXTURE = false;  // the material's base colour texture
-layout(constant_id = 2) const bool HAS_COLOR = false;    // vertex colours
 layout(constant_id = 3) const bool TEXTURED = true;      // base colour shows (else clay)
 layout(constant_id = 4) const bool SHADOWED = false;     // S from the shadow map (else 1)
-layout(constant_id = 5) const bool COVERAGE = false;     // alpha becomes sample coverage
 
 layout(set = 0, binding = 0, scalar) uniform Frame { RenderFrame frame; };
 layout(set = 0, binding = 5, scalar) restrict readonly buffer Lights { RenderLight lights[]; };
@@ -30,15 +27,14 @@ float shadow_tap(vec2 at, float depth) {
 const vec2 SHADOW_TAPS[4] =
     vec2[4](vec2(0.38, 0.92), vec2(-0.92, 0.38), vec2(-0.38, -0.92), vec2(0.92, -0.38));
 
-// Share of the sun that reaches a point (S of eq. 1). The point moves off its surface along the
-// geometric normal, on the side of the sun, as far as the filter reaches: slope-scaled by the sine
-// of the angle of incidence, so that faces in grazing light do not shade themselves.
-float sun_visibility(vec3 position, vec3 geometric_normal) {
-    float cosine = dot(geometric_normal, frame.sun_direction);
-    vec3 facing = cosine < 0.0 ? -geometric_normal : geometric_normal;
-    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    vec3 moved = position + facing * (frame.shadow_texel * (0.5 + 2.0 * sine));
-    vec3 at = (frame.relative_to_sun * vec4(moved, 1.0)).xyz;
+// Share of the sun that reaches a point (S of eq. 1). The point first moves off its surface
+// towards the sun, farther the steeper the triangle stands in the light (`steepness` is the sine of
+// the angle of incidence on the geometric normal), so that no triangle shades itself within the
+// reach of the filter; half a texel is not enough to see daylight under a foot.
+float sun_visibility(vec3 position, float steepness) {
+    float cosine = sqrt(max(1.0 - steepness * steepness, 0.01));
+    float way = frame.shadow_texel * (1.0 + frame.shadow_reach * min(steepness / cosine, 4.0));
+    vec3 at = (frame.relative_to_sun * vec4(position + frame.sun_direction * way, 1.0)).xyz;
     vec2 centre = 0.5 + 0.5 * at.xy;
     // Behind the farthest caster the map is as deep as it can say.
     float depth = max(at.z, 0.0);

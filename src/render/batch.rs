@@ -33,28 +33,61 @@ pub(super) struct Batch {
     pub(super) shadow_indices: Range<u32>,
 }
 
-/// The batches of a subject: opaque ones first, since what they hide need not be read.
-pub(super) fn batches(plan: &Plan, subject: &Subject<'_>, settings: &RenderSettings) -> Vec<Batch> {
-    let mut groups: Vec<((usize, bool), Vec<Range<usize>>)> = Vec::new();
+/// Parts of a subject that one draw can hold.
+#[derive(Debug, Clone)]
+pub(super) struct Group {
+    /// Index of the material.
+    material: usize,
+    /// Normals were realigned.
+    foliage: bool,
+    /// Index ranges.
+    ranges: Vec<Range<usize>>,
+}
+
+/// Parts grouped by material and treatment of normals, in order of appearance.
+pub(super) fn groups(subject: &Subject<'_>) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
     for (i, part) in subject.geometry.parts.iter().enumerate() {
         let foliage = subject
             .baked
             .is_some_and(|b| b.foliage_parts.get(i).copied().unwrap_or(false));
-        let key = (part.material, foliage);
-        match groups.iter_mut().find(|g| g.0 == key) {
-            Some(group) => group.1.push(part.index_range()),
-            None => groups.push((key, vec![part.index_range()])),
+        let found = groups
+            .iter_mut()
+            .find(|g| (g.material, g.foliage) == (part.material, foliage));
+        match found {
+            Some(group) => group.ranges.push(part.index_range()),
+            None => groups.push(Group {
+                material: part.material,
+                foliage,
+                ranges: vec![part.index_range()],
+            }),
         }
     }
-    let mut out: Vec<Batch> = groups
+    groups
+}
+
+/// Materials that a surface record can tell apart; the rest share the last one's reflection (not
+/// its base colour).
+const MATERIAL_IDS: usize = 256;
+
+/// The batches of a subject: opaque ones first, since what they hide need not be read.
+pub(super) fn batches(plan: &Plan, subject: &Subject<'_>, settings: &RenderSettings) -> Vec<Batch> {
+    let mut out: Vec<Batch> = groups(subject)
         .into_iter()
-        .map(|((material, foliage), ranges)| {
+        .map(|group| {
             let default = Material::default();
-            let material = subject.model.materials.get(material).unwrap_or(&default);
-            batch(plan, subject, settings, material, foliage, &ranges)
+            let material = subject
+                .model
+                .materials
+                .get(group.material)
+                .unwrap_or(&default);
+            batch(plan, subject, settings, material, &group)
         })
         .collect();
     out.sort_by_key(|b| b.cuts);
+    for (i, batch) in out.iter_mut().enumerate() {
+        batch.material.id = u32::try_from(i.min(MATERIAL_IDS - 1)).expect("small");
+    }
     out
 }
 
@@ -63,9 +96,9 @@ fn batch(
     subject: &Subject<'_>,
     settings: &RenderSettings,
     material: &Material,
-    foliage: bool,
-    ranges: &[Range<usize>],
+    group: &Group,
 ) -> Batch {
+    let foliage = group.foliage;
     let model = subject.model;
     let planned = |alpha_only| {
         let key = texture::base_color_key(model, material)?;
@@ -103,13 +136,14 @@ fn batch(
             shininess: settings.shininess,
             transmission: transmission(material, foliage, settings),
             flags: unlit,
+            id: 0,
         },
         cuts,
         foliage,
         texture,
         alpha: planned(true).filter(|_| cuts),
         wrap,
-        clusters: order::clusters(&subject.geometry.indices, ranges),
+        clusters: order::clusters(&subject.geometry.indices, &group.ranges),
         indices: 0..0,
         shadow_indices: 0..0,
     }

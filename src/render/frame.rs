@@ -1,9 +1,12 @@
 //! The frame: every pass of a picture in order.
 //!
 //! 1. `shadow map`: depth as the sun sees it, leaves cut out.
-//! 2. `colour`: model (nearest leaves first), ground, backdrop, overlays, shaded by eq. 1 into a
-//!    multisampled sRGB target whose samples are averaged in linear light; or
-//! 3. `g-buffer`: model into one target per channel, unsampled by neighbours.
+//! 2. `surface` (stage 1): the nearest surface of every sample, nearest leaves first.
+//! 3. `shade` (stage 2): eq. 1 once per surface that a pixel shows; ground and background.
+//! 4. `overlay`: implicit surface or slice of the field over the picture.
+//!
+//! `g-buffer` takes the place of 2 and 3 for pictures of attributes and for filters: one target
+//! per channel in full precision, one sample per pixel.
 
 use super::batch::Batch;
 use super::pipelines::{Fixed, Pipelines, SurfaceKey, normals_form};
@@ -29,6 +32,14 @@ pub(super) struct Frame<'a> {
     /// Clamps; for images that stand in and for the slice.
     pub(super) clamp: &'a Sampler,
     pub(super) slice: Option<SlicePlane>,
+}
+
+/// How the model is drawn.
+#[derive(Clone, Copy)]
+struct Draw {
+    view: View,
+    shadowed: bool,
+    gbuffer: bool,
 }
 
 /// Opacity of the implicit surface over the tree.
@@ -77,8 +88,53 @@ impl Frame<'_> {
         })
     }
 
-    /// Pass 2: a lit view.
-    pub(super) fn color(
+    /// Pass 2: the nearest surface of every sample.
+    pub(super) fn surface(
+        &self,
+        work: &mut Work,
+        pipelines: &mut Pipelines,
+        view: View,
+    ) -> Result<()> {
+        let set = self.common_set(false, self.is_realigned(view));
+        let mut reads = set.to_vec();
+        reads.extend(
+            self.resources
+                .find_buffer(label::INDICES)
+                .map(Binding::Index),
+        );
+        self.declare_textures(&mut reads);
+        let target = |label| ColorTarget {
+            image: self.resources.image(label),
+            clear: Some([0.0; 4]),
+            resolve: None,
+            store: true,
+        };
+        let pass = RenderPass {
+            extent: self.settings.size,
+            color: &[target(label::RECORD_A), target(label::RECORD_B)],
+            depth: Some(DepthTarget {
+                image: self.resources.image(label::DEPTH),
+                clear: Some(0.0),
+                store: true,
+            }),
+            reads: &reads,
+        };
+        work.render(label::SURFACE_PASS, &pass, |draws| {
+            self.draw_model(
+                draws,
+                pipelines,
+                &set,
+                Draw {
+                    view,
+                    shadowed: false,
+                    gbuffer: false,
+                },
+            )
+        })
+    }
+
+    /// Pass 3: light, ground, background.
+    pub(super) fn shade(
         &self,
         work: &mut Work,
         pipelines: &mut Pipelines,
@@ -86,42 +142,66 @@ impl Frame<'_> {
     ) -> Result<()> {
         let shadowed = view.is_shadowed() && self.plan.image(label::SHADOW_MAP).is_some();
         let set = self.common_set(shadowed, self.is_realigned(view));
-        let indices = self.resources.find_buffer(label::INDICES);
+        let record = |label| Binding::Sampled(self.resources.image(label), self.border);
+        let records = [
+            record(label::RECORD_A),
+            record(label::RECORD_B),
+            record(label::DEPTH),
+            Binding::Read(self.resources.buffer(label::MATERIALS)),
+        ];
         let mut reads = set.to_vec();
-        reads.extend(indices.map(Binding::Index));
-        self.declare_textures(&mut reads);
-        self.declare_overlays(&mut reads, view);
-        let resolved = self.resources.find_image(label::RESOLVED);
+        reads.extend(records);
         let pass = RenderPass {
             extent: self.settings.size,
             color: &[ColorTarget {
-                image: self.resources.image(label::COLOR),
+                image: self.resources.image(label::PICTURE),
                 clear: Some([0.0; 4]),
-                resolve: resolved,
-                store: resolved.is_none(),
+                resolve: None,
+                store: true,
+            }],
+            depth: None,
+            reads: &reads,
+        };
+        let textured = view.is_textured();
+        work.render(label::SHADE_PASS, &pass, |draws| {
+            draws.pipeline(&pipelines.fixed(Fixed::Shade { textured, shadowed })?);
+            draws.bind(0, &set)?;
+            draws.bind(1, &records)?;
+            draws.draw(3, 1)
+        })
+    }
+
+    /// Pass 4: what a view draws over the picture.
+    pub(super) fn overlay(
+        &self,
+        work: &mut Work,
+        pipelines: &mut Pipelines,
+        view: View,
+    ) -> Result<()> {
+        let set = self.common_set(false, self.is_realigned(view));
+        let mut reads = set.to_vec();
+        self.declare_overlays(&mut reads, view);
+        let pass = RenderPass {
+            extent: self.settings.size,
+            color: &[ColorTarget {
+                image: self.resources.image(label::PICTURE),
+                clear: None,
+                resolve: None,
+                store: true,
             }],
             depth: Some(DepthTarget {
-                image: self.resources.image(label::DEPTH),
+                image: self.resources.image(label::OVERLAY_DEPTH),
                 clear: Some(0.0),
                 store: false,
             }),
             reads: &reads,
         };
-        work.render(label::COLOR_PASS, &pass, |draws| {
-            self.draw_model(draws, pipelines, &set, view, shadowed, false)?;
-            if self.settings.ground {
-                draws.pipeline(&pipelines.fixed(Fixed::Ground { shadowed })?);
-                draws.bind(0, &set)?;
-                draws.draw(6, 1)?;
-            }
-            draws.pipeline(&pipelines.fixed(Fixed::Backdrop)?);
-            draws.bind(0, &set)?;
-            draws.draw(3, 1)?;
+        work.render(label::OVERLAY_PASS, &pass, |draws| {
             self.draw_overlays(draws, pipelines, &set, view)
         })
     }
 
-    /// Pass 3: the channels of the G-buffer.
+    /// The channels of the G-buffer.
     pub(super) fn gbuffer(&self, work: &mut Work, pipelines: &mut Pipelines) -> Result<()> {
         let shadowed = self.plan.channels.contains(&Channel::Shade)
             && self.plan.image(label::SHADOW_MAP).is_some();
@@ -153,7 +233,16 @@ impl Frame<'_> {
             reads: &reads,
         };
         work.render(label::GBUFFER_PASS, &pass, |draws| {
-            self.draw_model(draws, pipelines, &set, view, shadowed, true)
+            self.draw_model(
+                draws,
+                pipelines,
+                &set,
+                Draw {
+                    view,
+                    shadowed,
+                    gbuffer: true,
+                },
+            )
         })
     }
 
@@ -202,9 +291,11 @@ impl Frame<'_> {
         draws: &mut Draws<'_>,
         pipelines: &mut Pipelines,
         set: &[Binding<'_>],
-        view: View,
-        shadowed: bool,
-        gbuffer: bool,
+        Draw {
+            view,
+            shadowed,
+            gbuffer,
+        }: Draw,
     ) -> Result<()> {
         let Some(indices) = self.resources.find_buffer(label::INDICES) else {
             return Ok(());

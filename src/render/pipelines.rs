@@ -37,8 +37,7 @@ pub(super) struct SurfaceKey {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Fixed {
     Shadow { cuts: bool },
-    Ground { shadowed: bool },
-    Backdrop,
+    Shade { textured: bool, shadowed: bool },
     Surface,
     Slice,
 }
@@ -91,7 +90,7 @@ impl Pipelines {
             (4, u32::from(key.shadowed)),
             (5, u32::from(coverage)),
         ];
-        let color = [Format::Rgba8Srgb];
+        let record = [format(PixelFormat::Rgba8); 2];
         let channels: Vec<Format> = self.channels.iter().map(|c| format(c.format())).collect();
         if key.gbuffer {
             // Slots without a target name no channel.
@@ -106,7 +105,7 @@ impl Pipelines {
             name: if key.gbuffer {
                 label::GBUFFER_PASS
             } else {
-                label::COLOR_PASS
+                label::SURFACE_PASS
             },
             vertex: shaders::render::SURFACE_VERT,
             fragment: Some(if key.gbuffer {
@@ -114,10 +113,9 @@ impl Pipelines {
             } else {
                 shaders::render::SURFACE_FRAG
             }),
-            color_formats: if key.gbuffer { &channels } else { &color },
+            color_formats: if key.gbuffer { &channels } else { &record },
             depth_format: Some(format(PixelFormat::Depth32)),
             samples: if key.gbuffer { 1 } else { self.samples },
-            alpha_to_coverage: coverage,
             specialization: &specialization,
             ..GraphicsPipelineInfo::default()
         })?;
@@ -137,16 +135,15 @@ impl Pipelines {
 
     fn make_fixed(&self, which: Fixed) -> Result<GraphicsPipeline> {
         use shaders::render as s;
-        let over_color = GraphicsPipelineInfo {
+        let over_picture = GraphicsPipelineInfo {
             color_formats: &[Format::Rgba8Srgb],
             depth_format: Some(format(PixelFormat::Depth32)),
-            samples: self.samples,
             ..GraphicsPipelineInfo::default()
         };
         let specialization;
         let info = match which {
             Fixed::Shadow { cuts } => {
-                specialization = [(1, u32::from(cuts))];
+                specialization = [(1, u32::from(cuts)), (3, 1)];
                 GraphicsPipelineInfo {
                     name: label::SHADOW_MAP,
                     vertex: s::SHADOW_VERT,
@@ -157,29 +154,29 @@ impl Pipelines {
                     ..GraphicsPipelineInfo::default()
                 }
             }
-            Fixed::Ground { shadowed } => {
-                specialization = [(4, u32::from(shadowed))];
+            Fixed::Shade { textured, shadowed } => {
+                specialization = [(3, u32::from(textured)), (4, u32::from(shadowed))];
                 GraphicsPipelineInfo {
-                    name: "ground",
-                    vertex: s::GROUND_VERT,
-                    fragment: Some(s::GROUND_FRAG),
+                    name: label::SHADE_PASS,
+                    vertex: s::SHADE_VERT,
+                    fragment: Some(if self.samples > 1 {
+                        s::SHADE_4_FRAG
+                    } else {
+                        s::SHADE_1_FRAG
+                    }),
+                    color_formats: &[Format::Rgba8Srgb],
+                    depth_test: false,
+                    depth_write: false,
                     specialization: &specialization,
-                    ..over_color
+                    ..GraphicsPipelineInfo::default()
                 }
             }
-            Fixed::Backdrop => GraphicsPipelineInfo {
-                name: "backdrop",
-                vertex: s::BACKDROP_VERT,
-                fragment: Some(s::BACKDROP_FRAG),
-                depth_write: false,
-                ..over_color
-            },
             Fixed::Surface => GraphicsPipelineInfo {
                 name: "implicit surface",
                 vertex: s::OVERLAY_VERT,
                 fragment: Some(s::OVERLAY_FRAG),
                 blend: true,
-                ..over_color
+                ..over_picture
             },
             Fixed::Slice => GraphicsPipelineInfo {
                 name: "field slice",
@@ -188,7 +185,7 @@ impl Pipelines {
                 depth_test: false,
                 depth_write: false,
                 blend: true,
-                ..over_color
+                ..over_picture
             },
         };
         self.gpu.graphics_pipeline(&info)

@@ -71,6 +71,8 @@ impl Channel {
 pub enum PixelFormat {
     /// 4 x 8 bit, sRGB-encoded colour.
     Rgba8Srgb,
+    /// 4 x 8 bit, linear.
+    Rgba8,
     /// 1 x 8 bit.
     R8,
     /// 4 x f16.
@@ -90,7 +92,7 @@ impl PixelFormat {
         match self {
             Self::R8 => 1,
             Self::Depth16 => 2,
-            Self::Rgba8Srgb | Self::R32Float | Self::Depth32 => 4,
+            Self::Rgba8Srgb | Self::Rgba8 | Self::R32Float | Self::Depth32 => 4,
             Self::Rgba16Float => 8,
         }
     }
@@ -98,6 +100,7 @@ impl PixelFormat {
     const fn name(self) -> &'static str {
         match self {
             Self::Rgba8Srgb => "rgba8 srgb",
+            Self::Rgba8 => "rgba8",
             Self::R8 => "r8",
             Self::Rgba16Float => "rgba16f",
             Self::R32Float => "r32f",
@@ -185,12 +188,16 @@ pub struct Plan {
 
 /// Labels of images and passes, said once.
 pub mod label {
-    /// Multisampled (or only) colour target.
-    pub const COLOR: &str = "colour";
-    /// What the samples of [`COLOR`] are averaged to.
-    pub const RESOLVED: &str = "colour resolved";
-    /// Depth of the colour pass.
+    /// Base colour and ambient coefficient of every sample.
+    pub const RECORD_A: &str = "surface record a";
+    /// Normal and material of every sample.
+    pub const RECORD_B: &str = "surface record b";
+    /// Depth of every sample.
     pub const DEPTH: &str = "depth";
+    /// The finished picture.
+    pub const PICTURE: &str = "picture";
+    /// Depth of the implicit surface over the picture.
+    pub const OVERLAY_DEPTH: &str = "overlay depth";
     /// Depth of the G-buffer pass.
     pub const GBUFFER_DEPTH: &str = "g-buffer depth";
     /// Depth as the sun sees it.
@@ -199,8 +206,14 @@ pub mod label {
     pub const NO_TEXTURE: &str = "no texture";
     /// A slice of the field, coloured.
     pub const SLICE: &str = "field slice";
-    /// The pass that draws colour.
-    pub const COLOR_PASS: &str = "colour";
+    /// Stage 1: the pass that finds the nearest surface of every sample.
+    pub const SURFACE_PASS: &str = "surface";
+    /// Stage 2: the pass that shades it.
+    pub const SHADE_PASS: &str = "shade";
+    /// The pass that draws implicit surface or slice over the picture.
+    pub const OVERLAY_PASS: &str = "overlay";
+    /// Table of materials.
+    pub const MATERIALS: &str = "materials";
     /// The pass that fills the G-buffer.
     pub const GBUFFER_PASS: &str = "g-buffer";
     /// Uniform buffer of a view.
@@ -262,10 +275,10 @@ impl Plan {
         };
         plan.add_attributes(subject, settings, &wants);
         plan.add_shadow(settings, &wants, subject);
-        plan.add_color(settings, &wants);
+        plan.add_color(subject, settings, &wants);
         plan.add_gbuffer(settings, &wants);
         plan.add_textures(subject, settings, &wants)?;
-        plan.add_overlays(subject, &wants);
+        plan.add_overlays(subject, settings, &wants);
         plan.add_fallbacks(&wants);
         Ok(plan)
     }
@@ -356,29 +369,35 @@ impl Plan {
         });
     }
 
-    fn add_color(&mut self, settings: &RenderSettings, w: &Wants) {
+    fn add_color(&mut self, subject: &Subject<'_>, settings: &RenderSettings, w: &Wants) {
         if !w.color {
             return;
         }
         let (size, samples) = (settings.size, settings.samples);
-        let mut writes = vec![label::COLOR, label::DEPTH];
-        self.images.extend([
-            PlannedImage::target(label::COLOR, PixelFormat::Rgba8Srgb, size, samples),
-            PlannedImage::target(label::DEPTH, PixelFormat::Depth32, size, samples),
-        ]);
-        if samples > 1 {
-            writes.push(label::RESOLVED);
-            self.images.push(PlannedImage::target(
-                label::RESOLVED,
-                PixelFormat::Rgba8Srgb,
-                size,
-                1,
-            ));
+        let materials = super::batch::groups(subject).len().max(1);
+        self.buffer(
+            label::MATERIALS,
+            materials,
+            size_of::<crate::abi::RenderMaterial>(),
+        );
+        for (label, format, samples) in [
+            (label::RECORD_A, PixelFormat::Rgba8, samples),
+            (label::RECORD_B, PixelFormat::Rgba8, samples),
+            (label::DEPTH, PixelFormat::Depth32, samples),
+            (label::PICTURE, PixelFormat::Rgba8Srgb, 1),
+        ] {
+            self.images
+                .push(PlannedImage::target(label, format, size, samples));
         }
         self.passes.push(PlannedPass {
-            label: label::COLOR_PASS,
+            label: label::SURFACE_PASS,
             views: w.views(View::is_lit),
-            writes,
+            writes: vec![label::RECORD_A, label::RECORD_B, label::DEPTH],
+        });
+        self.passes.push(PlannedPass {
+            label: label::SHADE_PASS,
+            views: w.views(View::is_lit),
+            writes: vec![label::PICTURE],
         });
     }
 
@@ -473,7 +492,7 @@ impl Plan {
         }
     }
 
-    fn add_overlays(&mut self, subject: &Subject<'_>, w: &Wants) {
+    fn add_overlays(&mut self, subject: &Subject<'_>, settings: &RenderSettings, w: &Wants) {
         if let Some(s) = subject.surface.filter(|_| w.any(View::needs_surface)) {
             self.buffer(label::SURFACE_POSITIONS, s.positions.len(), 12);
             self.buffer(label::SURFACE_NORMALS, s.normals.len(), 4);
@@ -486,6 +505,20 @@ impl Plan {
                 super::slice::EXTENT,
                 1,
             ));
+        }
+        let overlaid = w.views(|v| v.needs_surface() || v.needs_field());
+        if !overlaid.is_empty() {
+            self.images.push(PlannedImage::target(
+                label::OVERLAY_DEPTH,
+                PixelFormat::Depth32,
+                settings.size,
+                1,
+            ));
+            self.passes.push(PlannedPass {
+                label: label::OVERLAY_PASS,
+                views: overlaid,
+                writes: vec![label::PICTURE, label::OVERLAY_DEPTH],
+            });
         }
     }
 }

@@ -124,11 +124,6 @@ impl Renderer {
             return Ok(Rendered { picture, passes });
         }
         let needs_shadow = view.is_shadowed() && self.plan.image(label::SHADOW_MAP).is_some();
-        let target = if self.plan.image(label::RESOLVED).is_some() {
-            label::RESOLVED
-        } else {
-            label::COLOR
-        };
         let draws_shadow = needs_shadow && !self.shadowed;
         let mut work = self.gpu.work(QueueKind::Graphics, view.name())?;
         let frame_data = self.setup.frame_for(view);
@@ -141,8 +136,12 @@ impl Renderer {
         if draws_shadow {
             frame.shadow_map(&mut work, pipelines)?;
         }
-        frame.color(&mut work, pipelines, view)?;
-        let pixels = work.read_image("picture", self.resources.image(target))?;
+        frame.surface(&mut work, pipelines, view)?;
+        frame.shade(&mut work, pipelines, view)?;
+        if view.needs_surface() || view.needs_field() {
+            frame.overlay(&mut work, pipelines, view)?;
+        }
+        let pixels = work.read_image("read back", self.resources.image(label::PICTURE))?;
         let mut done = work.submit()?.wait()?;
         self.shadowed |= draws_shadow;
         Ok(Rendered {

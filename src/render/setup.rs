@@ -176,6 +176,9 @@ impl Setup {
             crown_centre: crown_centre.into(),
             depth_scale: depth_scale as f32,
             clay: [0.62, 0.62, 0.60],
+            near: camera.near as f32,
+            pixel: settings.size.map(|s| 2.0 / s as f32),
+            shadow_reach: settings.shadow_radius + 1.0,
         };
         Self { camera, sun, frame }
     }

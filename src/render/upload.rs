@@ -1,6 +1,6 @@
 //! Buffers and images of a plan, filled.
 
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -27,6 +27,7 @@ use super::batch::Batch;
 pub(super) fn format(f: PixelFormat) -> Format {
     match f {
         PixelFormat::Rgba8Srgb => Format::Rgba8Srgb,
+        PixelFormat::Rgba8 => Format::Rgba8Unorm,
         PixelFormat::R8 => Format::R8Unorm,
         PixelFormat::Rgba16Float => Format::Rgba16Float,
         PixelFormat::R32Float => Format::R32Float,
@@ -92,7 +93,7 @@ impl Resources {
             out.images.push(gpu.image(info)?);
         }
         let mut work = gpu.work(QueueKind::Graphics, "upload")?;
-        out.fill_vertices(&mut work, plan, subject, settings)?;
+        out.fill_vertices(&mut work, plan, subject, settings, batches)?;
         out.fill_indices(&mut work, subject, setup, batches)?;
         out.fill_overlays(&mut work, subject, setup)?;
         out.fill_textures(&mut work, plan, subject, settings)?;
@@ -119,6 +120,7 @@ impl Resources {
         plan: &Plan,
         subject: &Subject<'_>,
         settings: &RenderSettings,
+        batches: &[Batch],
     ) -> Result<()> {
         let g = subject.geometry;
         self.fill(work, label::POSITIONS, || {
@@ -134,6 +136,14 @@ impl Resources {
         self.fill(work, label::TEXCOORDS, || g.texcoords.clone())?;
         self.fill(work, label::COLORS, || {
             g.colors.iter().map(|c| c.map(f32_to_f16)).collect()
+        })?;
+        self.fill(work, label::MATERIALS, || {
+            // A subject without triangles still binds a table.
+            let materials = batches.iter().map(|b| b.material);
+            materials
+                .chain([Zeroable::zeroed()])
+                .take(batches.len().max(1))
+                .collect()
         })?;
         self.fill(work, label::LIGHTS, || {
             let lights = subject.model.lights.iter();
