@@ -25,8 +25,8 @@ pub(super) struct Frame<'a> {
     pub(super) settings: &'a RenderSettings,
     pub(super) resources: &'a Resources,
     pub(super) batches: &'a [Batch],
-    /// Samplers of the batches, in their order.
-    pub(super) samplers: &'a [Sampler],
+    /// Samplers of the batches in their order: base colour, alpha in the shadow map.
+    pub(super) samplers: &'a [[Sampler; 2]],
     /// Nothing in the way outside; for the shadow map.
     pub(super) border: &'a Sampler,
     /// Clamps; for images that stand in and for the slice.
@@ -74,12 +74,15 @@ impl Frame<'_> {
         };
         work.render(label::SHADOW_MAP, &pass, |draws| {
             draws.index_buffer(indices);
-            for (batch, sampler) in self.batches.iter().zip(self.samplers) {
+            for (batch, samplers) in self.batches.iter().zip(self.samplers) {
                 let cuts = batch.cuts && batch.alpha.is_some();
                 draws.pipeline(&pipelines.fixed(Fixed::Shadow { cuts })?);
                 draws.bind(0, &set)?;
                 if let Some(alpha) = batch.alpha.as_ref().filter(|_| cuts) {
-                    draws.bind(1, &[Binding::Sampled(self.resources.image(alpha), sampler)])?;
+                    draws.bind(
+                        1,
+                        &[Binding::Sampled(self.resources.image(alpha), &samplers[1])],
+                    )?;
                 }
                 draws.push(&batch.material)?;
                 draws.draw_indexed(batch.shadow_indices.clone(), 1)?;
@@ -302,7 +305,7 @@ impl Frame<'_> {
         };
         let realigned = self.is_realigned(view);
         draws.index_buffer(indices);
-        for (batch, sampler) in self.batches.iter().zip(self.samplers) {
+        for (batch, samplers) in self.batches.iter().zip(self.samplers) {
             let textured = view.is_textured();
             let texture = batch.texture.as_ref().filter(|_| textured || batch.cuts);
             draws.pipeline(&pipelines.model(SurfaceKey {
@@ -320,7 +323,10 @@ impl Frame<'_> {
             })?);
             draws.bind(0, set)?;
             let image = texture.map_or(label::NO_TEXTURE, String::as_str);
-            draws.bind(1, &[Binding::Sampled(self.resources.image(image), sampler)])?;
+            draws.bind(
+                1,
+                &[Binding::Sampled(self.resources.image(image), &samplers[0])],
+            )?;
             draws.push(&batch.push(realigned, self.settings.flip_back_faces))?;
             draws.draw_indexed(batch.indices.clone(), 1)?;
         }

@@ -37,7 +37,7 @@ pub struct Renderer {
     setup: Setup,
     resources: Resources,
     batches: Vec<Batch>,
-    samplers: Vec<Sampler>,
+    samplers: Vec<[Sampler; 2]>,
     border: Sampler,
     clamp: Sampler,
     pipelines: Pipelines,
@@ -62,7 +62,12 @@ impl Renderer {
         let resources = Resources::new(gpu, &plan, subject, settings, &setup, &mut batches)?;
         let samplers = batches
             .iter()
-            .map(|b| upload::sampler(gpu, b.wrap.0, b.wrap.1, settings.anisotropy))
+            .map(|b| {
+                Ok([
+                    upload::sampler(gpu, b, settings.anisotropy)?,
+                    upload::alpha_sampler(gpu, b)?,
+                ])
+            })
             .collect::<Result<_>>()?;
         let slice = subject
             .field

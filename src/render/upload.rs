@@ -295,22 +295,31 @@ fn light(l: &PunctualLight, origin: glam::DVec3) -> RenderLight {
     }
 }
 
-/// A sampler for a material's texture.
-pub(super) fn sampler(
-    gpu: &Gpu,
-    wrap: [Wrap; 2],
-    nearest: bool,
-    anisotropy: f32,
-) -> Result<Sampler> {
+/// A sampler for a material's base colour. Leaves read the nearest mip level only: their cards
+/// are a few pixels across, so blending levels shows nothing and costs as much as the rest.
+pub(super) fn sampler(gpu: &Gpu, batch: &Batch, anisotropy: f32) -> Result<Sampler> {
+    let (wrap, nearest) = batch.wrap;
     gpu.sampler(&SamplerInfo {
         linear: !nearest,
-        linear_mips: true,
-        address: wrap.map(|w| match w {
-            Wrap::Repeat => AddressMode::Repeat,
-            Wrap::Clamp => AddressMode::Clamp,
-            Wrap::Mirror => AddressMode::Mirror,
-        }),
+        linear_mips: !batch.cuts || anisotropy > 1.0,
+        address: wrap.map(address),
         anisotropy,
         ..SamplerInfo::default()
     })
+}
+
+/// A sampler for a material's alpha in the shadow map, which is itself a raster of points.
+pub(super) fn alpha_sampler(gpu: &Gpu, batch: &Batch) -> Result<Sampler> {
+    gpu.sampler(&SamplerInfo {
+        address: batch.wrap.0.map(address),
+        ..SamplerInfo::default()
+    })
+}
+
+fn address(wrap: Wrap) -> AddressMode {
+    match wrap {
+        Wrap::Repeat => AddressMode::Repeat,
+        Wrap::Clamp => AddressMode::Clamp,
+        Wrap::Mirror => AddressMode::Mirror,
+    }
 }
