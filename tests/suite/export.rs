@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use umbrage::scene::export::{
     BackFaces, BakedPart, Channel, ExportOptions, SurfaceMesh, gltf, surface,
 };
+use umbrage::scene::grow::{GrowOptions, Species, grow};
 use umbrage::scene::import::{LoadOptions, load};
 use umbrage::scene::{AlphaMode, Geometry, ImageSource, Model, textures};
 
@@ -386,6 +387,38 @@ fn a_model_without_a_document_is_written_whole() {
 }
 
 #[test]
+fn a_grown_plant_keeps_its_material_and_tells_its_branching_order() {
+    let options = GrowOptions {
+        leaves: Some(500),
+        ..GrowOptions::default()
+    };
+    let plant = grow(Species::ALL[0], &options).unwrap();
+    let (again, json) = reopen(&gltf(&plant, &[], &ExportOptions::default()).unwrap());
+    assert_eq!(again.materials.len(), plant.materials.len());
+    for (a, b) in plant.materials.iter().zip(&again.materials) {
+        assert_eq!(
+            (&a.name, a.alpha_mode, a.double_sided),
+            (&b.name, b.alpha_mode, b.double_sided)
+        );
+        let factor =
+            |m: &umbrage::scene::Material| m.diffuse_transmission.as_ref().map(|d| d.factor);
+        assert_eq!(factor(a), factor(b));
+        let image = |model: &Model, m: &umbrage::scene::Material| {
+            let t = m.base_color_texture?.texture;
+            Some(textures::decode(&model.images[model.textures[t].image]).unwrap())
+        };
+        assert_eq!(image(&plant, a), image(&again, b));
+    }
+    let (g, h) = (Geometry::flatten(&plant), Geometry::flatten(&again));
+    assert_eq!((&g.indices, &g.texcoords), (&h.indices, &h.texcoords));
+    for mesh in json["meshes"].as_array().unwrap() {
+        for p in mesh["primitives"].as_array().unwrap() {
+            assert!(p["attributes"].get("_BRANCH_ORDER").is_some());
+        }
+    }
+}
+
+#[test]
 fn a_surface_is_a_file_of_its_own_and_bad_ones_are_refused() {
     let (positions, indices) = octahedron();
     let mesh = SurfaceMesh {
@@ -466,6 +499,13 @@ fn exports_for_the_validator() {
         models.push((name.replace('/', "_"), open(shared(name))));
     }
     models.push(("crowd".into(), crowded()));
+    for species in Species::ALL {
+        let options = GrowOptions {
+            leaves: Some(1000),
+            ..GrowOptions::default()
+        };
+        models.push((species.name().to_owned(), grow(species, &options).unwrap()));
+    }
     let mut written = 0;
     for (name, model) in &models {
         let (_, _, _, parts) = stand_in(model);
