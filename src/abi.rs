@@ -126,8 +126,25 @@ abi! {
         NORM_MANHATTAN: u32 = 1;
         /// L-infinity.
         NORM_MAXIMUM: u32 = 2;
+<<<<<<< HEAD
         /// Invocations that sweep one direction of the skylight.
         SKY_GROUP: u32 = 256;
+=======
+        /// `directions.comp`: direction of one gradient.
+        DIRECTIONS_SINGLE: u32 = 0;
+        /// `directions.comp`: mean of the directions of two gradients.
+        DIRECTIONS_MEAN: u32 = 1;
+        /// `directions.comp`: keeps the directions there are and fills the gaps.
+        DIRECTIONS_FILL: u32 = 2;
+        /// Smallest ambient coefficient of the length encoding, 1 / 255.
+        SMALLEST_AMBIENT: f32 = 0.003921569;
+        /// Encodings, in the order of `foliage::Encoding`.
+        ENCODING_LENGTH: u32 = 0;
+        /// Octahedral 2 x snorm16 + unorm16.
+        ENCODING_PACKED16: u32 = 1;
+        /// Octahedral 2 x snorm8 + unorm8.
+        ENCODING_PACKED8: u32 = 2;
+>>>>>>> 07862c1 (wip)
         /// Below this |grad D| times the radius the gradient has no direction.
         GRADIENT_FLOOR: f32 = 1e-3;
         /// Below this length a mean of unit vectors has no direction.
@@ -285,6 +302,7 @@ abi! {
             count: u32,
         }
 
+<<<<<<< HEAD
         // ---- render ----
 
         /// Everything that is the same for a whole view. Positions and directions are in the
@@ -455,5 +473,44 @@ abi! {
             /// Reversed depth: 1 is nearest.
             depth: f32,
         }
+=======
+        /// Push constants of `foliage/directions.comp`.
+        Directions {
+            /// Queries.
+            count: u32,
+            /// Radius of the first field.
+            radius: f32,
+            /// Radius of the second field.
+            wide_radius: f32,
+        }
+
+        /// Push constants of `foliage/realign.comp`.
+        Realign {
+            /// Vertices.
+            count: u32,
+            /// Share of the realigned normal.
+            blend: f32,
+        }
+
+        /// Push constants of `foliage/ambient.comp` (Luft, Balzer, Deussen 2007, equation 4).
+        AmbientTransfer {
+            /// Vertices.
+            count: u32,
+            /// Threshold, subtracted from the density.
+            tau: f32,
+            /// Smallest coefficient.
+            k_min: f32,
+            /// Density (beyond the threshold) from which on it is `k_min`.
+            d_min: f32,
+            /// Exponent n.
+            exponent: f32,
+        }
+
+        /// Push constants of `foliage/encode.comp`.
+        Encode {
+            /// Vertices.
+            count: u32,
+        }
+>>>>>>> 07862c1 (wip)
     }
 }

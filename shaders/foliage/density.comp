@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 #include "abi.glsl"
 #include "dispatch.glsl"
 #include "bins.glsl"
@@ -30,7 +31,7 @@ vec4 generator(uint i) {
 // Adds one generator to the tile whose first node has the offset `d` from it (in radii).
 void add(inout float sum[TILE_NODES], vec3 d, float root, float step) {
     if (NORM != NORM_EUCLIDEAN) {
-        for (uint n = 0u; n < TILE_NODES; ++n) {
+        [[unroll]] for (uint n = 0u; n < TILE_NODES; ++n) {
             vec3 q = d + step * vec3(n & 3u, (n >> 2u) & 3u, n >> 4u);
             float t = max(root - root * squared_length(q, NORM), 0.0);
             sum[n] = fma(t, t, sum[n]);
@@ -38,11 +39,11 @@ void add(inout float sum[TILE_NODES], vec3 d, float root, float step) {
         return;
     }
     vec3 square[TILE_SIDE];
-    for (uint k = 0u; k < TILE_SIDE; ++k) {
+    [[unroll]] for (uint k = 0u; k < TILE_SIDE; ++k) {
         vec3 q = d + step * float(k);
         square[k] = root * q * q;
     }
-    for (uint n = 0u; n < TILE_NODES; ++n) {
+    [[unroll]] for (uint n = 0u; n < TILE_NODES; ++n) {
         float rest = root - square[n >> 4u].z - square[(n >> 2u) & 3u].y;
         float t = max(rest - square[n & 3u].x, 0.0);
         sum[n] = fma(t, t, sum[n]);
@@ -63,7 +64,7 @@ void main() {
     float step = push.cell * inverse_radius;
 
     float sum[TILE_NODES];
-    for (uint n = 0u; n < TILE_NODES; ++n) {
+    [[unroll]] for (uint n = 0u; n < TILE_NODES; ++n) {
         sum[n] = 0.0;
     }
     ivec2 zs = bin_range(low.z, high.z, support, push.bin_origin.z, inverse_edge, push.bins.z);
@@ -87,16 +88,16 @@ void main() {
             }
         }
     }
-    for (uint n = 0u; n < TILE_NODES; ++n) {
+    [[unroll]] for (uint n = 0u; n < TILE_NODES; ++n) {
         partial[n * GROUP_1D + gl_LocalInvocationID.x] = sum[n];
     }
     barrier();
     // Slot s adds up the nodes s * 8 .. s * 8 + 7 of its tile.
     uint column = gl_LocalInvocationID.x - slot;
-    for (uint k = 0u; k < TILE_NODES / FIELD_SLOTS; ++k) {
+    [[unroll]] for (uint k = 0u; k < TILE_NODES / FIELD_SLOTS; ++k) {
         uint n = slot * (TILE_NODES / FIELD_SLOTS) + k;
         float total = 0.0;
-        for (uint s = 0u; s < FIELD_SLOTS; ++s) {
+        [[unroll]] for (uint s = 0u; s < FIELD_SLOTS; ++s) {
             total += partial[n * GROUP_1D + column + s];
         }
         uvec3 node = first_node + uvec3(n & 3u, (n >> 2u) & 3u, n >> 4u);

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 #include "abi.glsl"
 #include "dispatch.glsl"
 #include "bins.glsl"
@@ -40,7 +41,7 @@ void main() {
     vec3 q[BLOCK_QUERIES];
     vec3 low = vec3(0.0);
     vec3 high = vec3(0.0);
-    for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
+    [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
         q[k] = queries[min(first_query + k, push.count - 1u)].xyz;
         low = k == 0u ? q[0] : min(low, q[k]);
         high = k == 0u ? q[0] : max(high, q[k]);
@@ -48,7 +49,7 @@ void main() {
     vec3 centre = 0.5 * (low + high);
     float density[BLOCK_QUERIES];
     vec3 gradient[BLOCK_QUERIES];
-    for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
+    [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
         density[k] = 0.0;
         gradient[k] = vec3(0.0);
         q[k] = (q[k] - centre) * inverse_radius;
@@ -71,7 +72,7 @@ void main() {
                     vec4 g = generator(i);
                     vec3 p = (g.xyz - centre) * inverse_radius;
                     float weight = g.w * g.w;
-                    for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
+                    [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
                         vec3 d = q[k] - p;
                         float t = max(1.0 - squared_length(d, NORM), 0.0);
                         float wt = weight * t;
@@ -84,20 +85,20 @@ void main() {
             }
         }
     }
-    for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
+    [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
         vec4 value = vec4(density[k], gradient[k]);
-        for (uint c = 0u; c < VALUES; ++c) {
+        [[unroll]] for (uint c = 0u; c < VALUES; ++c) {
             partial[(k * VALUES + c) * GROUP_1D + gl_LocalInvocationID.x] = value[c];
         }
     }
     barrier();
     // Slot s adds up the queries s * 2 and s * 2 + 1 of its block.
     uint column = gl_LocalInvocationID.x - slot;
-    for (uint k = 0u; k < BLOCK_QUERIES / FIELD_SLOTS; ++k) {
+    [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES / FIELD_SLOTS; ++k) {
         uint n = slot * (BLOCK_QUERIES / FIELD_SLOTS) + k;
         vec4 total = vec4(0.0);
-        for (uint s = 0u; s < FIELD_SLOTS; ++s) {
-            for (uint c = 0u; c < VALUES; ++c) {
+        [[unroll]] for (uint s = 0u; s < FIELD_SLOTS; ++s) {
+            [[unroll]] for (uint c = 0u; c < VALUES; ++c) {
                 total[c] += partial[(n * VALUES + c) * GROUP_1D + column + s];
             }
         }
@@ -105,7 +106,7 @@ void main() {
             uint target = floatBitsToUint(queries[first_query + n].w);
             if (WITH_GRADIENT != 0u) {
                 result[4u * target] = total.x;
-                for (uint c = 1u; c < VALUES; ++c) {
+                [[unroll]] for (uint c = 1u; c < VALUES; ++c) {
                     result[4u * target + c] = -4.0 * inverse_radius * total[c];
                 }
             } else {

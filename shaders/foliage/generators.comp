@@ -7,7 +7,7 @@
 // Centre of mass and one-sided area of every leaf (Luft, Balzer, Deussen 2007, section 3.1).
 
 layout(local_size_x = GROUP_1D) in;
-layout(set = 0, binding = 0, scalar) restrict readonly buffer Points { vec3 points[]; };
+layout(set = 0, binding = 0, scalar) restrict readonly buffer Points { vec4 points[]; };
 layout(set = 0, binding = 1, scalar) restrict readonly buffer Indices { uvec3 triangles[]; };
 layout(set = 0, binding = 2, scalar) restrict readonly buffer LeafFirst { uint leaf_first[]; };
 layout(set = 0, binding = 3, scalar) restrict readonly buffer LeafTriangles { uint leaf_triangles[]; };
@@ -23,15 +23,15 @@ void main() {
     uint first = leaf_first[leaf];
     uint last = leaf_first[leaf + 1u];
     // Relative to the first corner, small differences keep their digits.
-    vec3 origin = points[triangles[leaf_triangles[first]].x];
+    vec3 origin = points[triangles[leaf_triangles[first]].x].xyz;
     vec3 moment = vec3(0.0);
     vec3 corners = vec3(0.0);
     float area = 0.0;
     for (uint i = first; i < last; ++i) {
         uvec3 t = triangles[leaf_triangles[i]];
-        vec3 a = points[t.x] - origin;
-        vec3 b = points[t.y] - origin;
-        vec3 c = points[t.z] - origin;
+        vec3 a = points[t.x].xyz - origin;
+        vec3 b = points[t.y].xyz - origin;
+        vec3 c = points[t.z].xyz - origin;
         float twice = length(cross(b - a, c - a));
         moment += twice * (a + b + c);
         corners += a + b + c;

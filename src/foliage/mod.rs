@@ -1,11 +1,22 @@
 //! Expressive illumination of foliage by implicit surfaces (Luft, Balzer, Deussen 2007).
 
+pub mod bake;
+mod bins;
 pub mod cutout;
+pub mod field;
+pub mod frame;
+mod generators;
+mod recorder;
 pub mod settings;
 pub mod split;
+mod stages;
 pub mod table;
 pub mod traced;
 
+pub use bake::{Bake, Baked, Recipe, Stats};
+pub use field::NodeGrid;
+pub use frame::Frame;
+pub use recorder::{PlannedResource, Progress};
 pub use settings::{
     AmbientMode, BackFaces, Encoding, Norm, NormalsMode, Primitive, Sampling, Settings,
     SurfaceNormals, Threshold,

@@ -1,0 +1,157 @@
+//! Sorting points into uniform bins: count, scan, emit.
+
+use glam::DVec3;
+
+use super::recorder::{Recorder, Store, Use};
+use crate::Result;
+use crate::abi;
+use crate::gpu::shaders::foliage as shaders;
+
+/// Bins at most: bounds memory and the scan, whatever the radius.
+const MOST_BINS: f64 = 262_144.0;
+
+/// A box of cubic bins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BinGrid {
+    pub(super) origin: [f32; 3],
+    pub(super) edge: f32,
+    pub(super) bins: [u32; 3],
+    morton: bool,
+}
+
+impl BinGrid {
+    /// Bins of about `edge` over the box `-half..half`, x fastest.
+    pub(super) fn rows(half: DVec3, edge: f64) -> Self {
+        let mut edge = edge;
+        loop {
+            let bins = (2.0 * half / edge).floor() + 1.0;
+            if bins.element_product() <= MOST_BINS {
+                return Self {
+                    origin: (-half).as_vec3().to_array(),
+                    edge: edge as f32,
+                    bins: bins.to_array().map(|b| b as u32),
+                    morton: false,
+                };
+            }
+            edge *= 1.1;
+        }
+    }
+
+    /// Bins for generators: the support's cross-section holds a few rows, a row enough generators
+    /// to keep the slots busy, and the smallest radius still skips most of them.
+    pub(super) fn for_generators(half: DVec3, count: usize, radii: &[f32]) -> Self {
+        let radius = |pick: fn(f64, f64) -> f64| radii.iter().map(|&r| f64::from(r)).reduce(pick);
+        let small = radius(f64::min).unwrap_or(0.1);
+        let large = radius(f64::max).unwrap_or(0.1);
+        let volume = (2.0 * half).max(DVec3::splat(0.05)).element_product();
+        // Generators per row of the large support, about: density * edge^2 * 2 radius.
+        let busy = 4.0 * f64::from(abi::FIELD_SLOTS);
+        let edge = (busy * volume / (count.max(1) as f64 * 2.0 * large)).sqrt();
+        Self::rows(half, edge.clamp(large / 4.0, large).max(small / 4.0))
+    }
+
+    /// Cubic bins in Morton order over the box `-half..half` for `count` points.
+    pub(super) fn morton(half: DVec3, count: usize) -> Self {
+        let side = match count {
+            0..4096 => 16u32,
+            4096..65_536 => 32,
+            _ => 64,
+        };
+        let extent = (2.0 * half.max_element()).max(1e-6);
+        Self {
+            origin: (-half).as_vec3().to_array(),
+            edge: (extent / f64::from(side) * 1.000_01) as f32,
+            bins: [side; 3],
+            morton: true,
+        }
+    }
+
+    /// Number of bins.
+    pub(super) fn len(&self) -> usize {
+        self.bins.iter().map(|&b| b as usize).product()
+    }
+
+    pub(super) fn push(&self, count: usize, area_scale: f32) -> abi::BinPoints {
+        abi::BinPoints {
+            origin: self.origin,
+            inverse_edge: 1.0 / self.edge,
+            bins: self.bins,
+            count: count as u32,
+            morton: u32::from(self.morton),
+            area_scale,
+        }
+    }
+}
+
+/// Points counted into bins.
+#[derive(Debug, Clone)]
+pub(super) struct Binned {
+    /// First sorted point of every bin, closed by the total.
+    pub(super) first: Store,
+    /// Bin and place of every point.
+    pub(super) places: Store,
+}
+
+/// Counts and scans `count` points (four floats each) of `what`.
+pub(super) fn bin(
+    r: &mut Recorder<'_>,
+    what: &str,
+    points: &Store,
+    count: usize,
+    grid: &BinGrid,
+) -> Result<Binned> {
+    let counts = r.array::<u32>(&format!("{what} bin counts"), grid.len())?;
+    let places = r.array::<[u32; 2]>(&format!("{what} places"), count)?;
+    r.fill(&format!("clear {what} bins"), &counts, 0)?;
+    r.compute(
+        &format!("count {what}"),
+        shaders::BIN_COUNT_COMP,
+        &[
+            Use::Read(points),
+            Use::ReadWrite(&counts),
+            Use::Write(&places),
+        ],
+        &grid.push(count, 0.0),
+        count,
+    )?;
+    let first = scan(r, what, &counts, grid.len())?;
+    Ok(Binned { first, places })
+}
+
+/// Exclusive prefix sum of `count` words, closed by the total.
+pub(super) fn scan(r: &mut Recorder<'_>, what: &str, values: &Store, count: usize) -> Result<Store> {
+    let chunks = count.div_ceil(abi::SCAN_CHUNK as usize);
+    let label = format!("scan {what}");
+    let bases = if chunks > 1 {
+        let sums = r.array::<u32>(&format!("{what} chunk sums"), chunks)?;
+        r.compute(
+            &label,
+            shaders::SCAN_SUMS_COMP,
+            &[Use::Read(values), Use::Write(&sums)],
+            &abi::Scan {
+                count: count as u32,
+                has_bases: 0,
+            },
+            chunks,
+        )?;
+        Some(scan(r, what, &sums, chunks)?)
+    } else {
+        None
+    };
+    let firsts = r.array::<u32>(&format!("{what} firsts"), count + 1)?;
+    r.compute(
+        &label,
+        shaders::SCAN_APPLY_COMP,
+        &[
+            Use::Read(values),
+            Use::Read(bases.as_ref().unwrap_or(values)),
+            Use::Write(&firsts),
+        ],
+        &abi::Scan {
+            count: count as u32,
+            has_bases: u32::from(bases.is_some()),
+        },
+        chunks,
+    )?;
+    Ok(firsts)
+}
