@@ -126,10 +126,8 @@ abi! {
         NORM_MANHATTAN: u32 = 1;
         /// L-infinity.
         NORM_MAXIMUM: u32 = 2;
-<<<<<<< HEAD
         /// Invocations that sweep one direction of the skylight.
         SKY_GROUP: u32 = 256;
-=======
         /// `directions.comp`: direction of one gradient.
         DIRECTIONS_SINGLE: u32 = 0;
         /// `directions.comp`: mean of the directions of two gradients.
@@ -144,7 +142,6 @@ abi! {
         ENCODING_PACKED16: u32 = 1;
         /// Octahedral 2 x snorm8 + unorm8.
         ENCODING_PACKED8: u32 = 2;
->>>>>>> 07862c1 (wip)
         /// Below this |grad D| times the radius the gradient has no direction.
         GRADIENT_FLOOR: f32 = 1e-3;
         /// Below this length a mean of unit vectors has no direction.
@@ -302,7 +299,6 @@ abi! {
             count: u32,
         }
 
-<<<<<<< HEAD
         // ---- render ----
 
         /// Everything that is the same for a whole view. Positions and directions are in the
@@ -473,9 +469,8 @@ abi! {
             /// Reversed depth: 1 is nearest.
             depth: f32,
         }
-=======
         /// Push constants of `foliage/directions.comp`.
-        Directions {
+        GradientDirections {
             /// Queries.
             count: u32,
             /// Radius of the first field.
@@ -506,11 +501,26 @@ abi! {
             exponent: f32,
         }
 
+        /// Push constants of `foliage/openness.comp`.
+        Openness {
+            /// Node (0,0,0) of the leaf-area grid.
+            origin: [f32; 3],
+            /// Cell size.
+            cell: f32,
+            /// Nodes per axis.
+            nodes: [u32; 3],
+            /// Queries.
+            count: u32,
+            /// Directions.
+            directions: u32,
+            /// Mean projection of a unit leaf area.
+            extinction: f32,
+        }
+
         /// Push constants of `foliage/encode.comp`.
         Encode {
             /// Vertices.
             count: u32,
         }
->>>>>>> 07862c1 (wip)
     }
 }

@@ -13,7 +13,7 @@ layout(set = 0, binding = 0, scalar) restrict readonly buffer Near { vec4 near[]
 layout(set = 0, binding = 1, scalar) restrict readonly buffer Wide { vec4 wide[]; };
 layout(set = 0, binding = 2, scalar) restrict buffer Found { vec4 found[]; };
 layout(set = 0, binding = 3, scalar) restrict buffer Counters { uint missing; };
-layout(push_constant, scalar) uniform Push { Directions push; };
+layout(push_constant, scalar) uniform Push { GradientDirections push; };
 
 vec4 direction(vec3 gradient, float radius) {
     float size = length(gradient);

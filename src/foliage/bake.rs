@@ -2,8 +2,6 @@
 
 use glam::Vec3;
 
-use super::field::{Field, NodeGrid, Queries};
-use super::frame::Frame;
 use super::recorder::{PlannedResource, Progress, Recorder};
 use super::settings::Settings;
 use super::split::Split;

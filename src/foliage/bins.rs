@@ -119,7 +119,12 @@ pub(super) fn bin(
 }
 
 /// Exclusive prefix sum of `count` words, closed by the total.
-pub(super) fn scan(r: &mut Recorder<'_>, what: &str, values: &Store, count: usize) -> Result<Store> {
+pub(super) fn scan(
+    r: &mut Recorder<'_>,
+    what: &str,
+    values: &Store,
+    count: usize,
+) -> Result<Store> {
     let chunks = count.div_ceil(abi::SCAN_CHUNK as usize);
     let label = format!("scan {what}");
     let bases = if chunks > 1 {

@@ -81,10 +81,7 @@ impl Field<'_> {
             label,
             Kernel {
                 shader: shaders::FIELD_COMP,
-                constants: &[
-                    (0, self.norm.constant()),
-                    (1, u32::from(with_gradient)),
-                ],
+                constants: &[(0, self.norm.constant()), (1, u32::from(with_gradient))],
             },
             &[
                 Use::Fetch(&self.generators.texels),
@@ -105,7 +102,12 @@ impl Field<'_> {
     }
 
     /// Density at every node of `grid`, x fastest.
-    pub(super) fn on_grid(&self, r: &mut Recorder<'_>, label: &str, grid: &NodeGrid) -> Result<Store> {
+    pub(super) fn on_grid(
+        &self,
+        r: &mut Recorder<'_>,
+        label: &str,
+        grid: &NodeGrid,
+    ) -> Result<Store> {
         let density = r.array::<f32>(label, grid.node_count())?;
         let bins = &self.generators.grid;
         r.compute(
@@ -153,7 +155,9 @@ impl NodeGrid {
     /// A grid of more than `memory` MiB, with its size.
     pub fn around(half: DVec3, radius: f64, cells: u32, memory: u32) -> Result<Self> {
         if cells < 3 {
-            return Err(Error::usage(format!("cells = {cells} is outside 3 .. 1024")));
+            return Err(Error::usage(format!(
+                "cells = {cells} is outside 3 .. 1024"
+            )));
         }
         let extent = 2.0 * half + 2.0 * radius;
         let cell = extent.max_element() / f64::from(cells - 2);

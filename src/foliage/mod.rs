@@ -1,15 +1,19 @@
 //! Expressive illumination of foliage by implicit surfaces (Luft, Balzer, Deussen 2007).
 
+mod ambient;
 pub mod bake;
 mod bins;
 pub mod cutout;
 pub mod field;
 pub mod frame;
 mod generators;
+mod openness;
+mod realign;
 mod recorder;
 pub mod settings;
 pub mod split;
 mod stages;
+mod subset;
 pub mod table;
 pub mod traced;
 

@@ -146,7 +146,12 @@ impl<'a> Recorder<'a> {
     }
 
     /// An image for `count` texels of four floats.
-    pub(super) fn picture(&mut self, name: &str, count: usize, column_bits: u32) -> Result<Picture> {
+    pub(super) fn picture(
+        &mut self,
+        name: &str,
+        count: usize,
+        column_bits: u32,
+    ) -> Result<Picture> {
         let width = 1u32 << column_bits;
         let rows = count.div_ceil(width as usize).max(1);
         let rows = u32::try_from(rows).unwrap_or(u32::MAX);
@@ -209,9 +214,7 @@ impl<'a> Recorder<'a> {
             Error::Unsupported(format!("{label}: {invocations} invocations are too many"))
         })?;
         let work = self.work()?.expect("there is a device");
-        work.compute(label, &pipeline, &bindings, push, [count, 1, 1])?;
-        if std::env::var_os("DBGFLUSH").is_some() { eprintln!("{label}..."); let d=self.work.take().expect("x").submit()?.wait()?; for p in d.passes(){eprintln!("   {} {}",p.label,p.nanoseconds as f64*1e-6);} self.times.extend_from_slice(d.passes()); }
-        Ok(())
+        work.compute(label, &pipeline, &bindings, push, [count, 1, 1])
     }
 
     fn pipeline(&mut self, kernel: Kernel<'_>) -> Result<ComputePipeline> {

@@ -1,81 +1,110 @@
 //! The stages of a bake in order: the one path behind [`super::Bake::compute`] and
 //! [`super::Recipe::new`].
 
-use glam::{DVec3, Vec3};
-
+use super::ambient::{self, AmbientFields};
 use super::bake::{Bake, Stats};
 use super::bins::BinGrid;
-use super::field::{Field, Queries};
+use super::field::Queries;
 use super::frame::Frame;
-use super::generators::{self, SortedGenerators};
+use super::generators::{self, BinnedGenerators, Generators, SortedGenerators};
+use super::openness::{self, LeafArea};
+use super::realign;
 use super::recorder::{Kernel, Recorder, Store, Use};
-use super::settings::{AmbientMode, Encoding, NormalsMode, Settings, Threshold};
+use super::settings::{AmbientMode, Encoding, NormalsMode, Settings};
 use super::split::{Leaves, Split};
+use super::subset;
 use crate::Result;
 use crate::abi;
 use crate::gpu::shaders::foliage as shaders;
 use crate::scene::Geometry;
 
-/// Normalised positions of some vertices, padded to four floats.
-fn normalised(geometry: &Geometry, frame: &Frame, vertices: &[u32]) -> Vec<[f32; 4]> {
-    vertices
-        .iter()
-        .map(|&v| {
-            frame
-                .normalise(geometry.positions[v as usize])
-                .extend(0.0)
-                .to_array()
+/// What the settings ask for.
+#[derive(Debug, Clone, Copy)]
+struct Needs {
+    /// Realigned normals.
+    normals: bool,
+    /// Ambient coefficients made on the device.
+    ambient: bool,
+    /// A field of weights (not of leaf areas).
+    field: bool,
+    /// The leaf-area grid.
+    leaf_area: bool,
+}
+
+impl Needs {
+    fn new(s: &Settings) -> Self {
+        let normals = s.normals != NormalsMode::Original && s.blend > 0.0;
+        let open = normals && s.normals == NormalsMode::Open;
+        let eq4 = s.ambient == AmbientMode::Eq4;
+        let transmittance = s.ambient == AmbientMode::Transmittance;
+        Self {
+            normals,
+            ambient: eq4 || transmittance,
+            field: eq4 || (normals && !open),
+            leaf_area: open || transmittance,
+        }
+    }
+}
+
+/// What every stage reads.
+pub(super) struct Scene<'a> {
+    pub(super) geometry: &'a Geometry,
+    pub(super) split: &'a Split,
+    pub(super) settings: &'a Settings,
+    pub(super) frame: Frame,
+}
+
+/// Some vertices of the geometry on the device.
+pub(super) struct Vertices<'a> {
+    /// Their numbers in the geometry.
+    pub(super) numbers: &'a [u32],
+    /// Normalised positions, four floats each, in the order of `numbers`.
+    pub(super) points: Store,
+    /// The same, sorted.
+    pub(super) queries: Queries,
+}
+
+impl<'a> Vertices<'a> {
+    fn new(
+        r: &mut Recorder<'_>,
+        what: &str,
+        scene: &Scene<'a>,
+        numbers: &'a [u32],
+    ) -> Result<Self> {
+        let points = r.upload(&format!("{what} points"), &normalised(scene, numbers))?;
+        let queries = Queries::sort(r, what, &points, numbers.len(), scene.frame.half)?;
+        Ok(Self {
+            numbers,
+            points,
+            queries,
         })
-        .collect()
-}
-
-/// Foliage triangles with indices into the foliage's own vertices.
-fn local_indices(geometry: &Geometry, split: &Split) -> Vec<u32> {
-    let mut local = vec![0; geometry.positions.len()];
-    for (i, &v) in (0u32..).zip(&split.foliage_vertices) {
-        local[v as usize] = i;
-    }
-    split
-        .foliage_indices
-        .iter()
-        .map(|&v| local[v as usize])
-        .collect()
-}
-
-/// Value of a threshold: as given, or the quantile of `values`.
-pub(super) fn threshold(t: Threshold, values: &mut [f32]) -> f32 {
-    match t {
-        Threshold::Absolute(v) => v,
-        Threshold::Quantile(q) => quantile(values, f64::from(q)),
     }
 }
 
-/// Quantile with linear interpolation between order statistics; 0 when empty.
-fn quantile(values: &mut [f32], p: f64) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let at = p * (values.len() - 1) as f64;
-    let low = at.floor() as usize;
-    let (_, &mut below, above) = values.select_nth_unstable_by(low, f32::total_cmp);
-    let next = above.iter().copied().min_by(f32::total_cmp).unwrap_or(below);
-    let t = at - low as f64;
-    (f64::from(below) + t * (f64::from(next) - f64::from(below))) as f32
+/// Normalised positions, padded to four floats.
+fn normalised(scene: &Scene<'_>, numbers: &[u32]) -> Vec<[f32; 4]> {
+    let at = |&v: &u32| {
+        let p = scene.geometry.positions[v as usize];
+        scene.frame.normalise(p).extend(0.0).to_array()
+    };
+    numbers.iter().map(at).collect()
 }
 
-/// Everything that the stages share.
-struct Scene<'a> {
-    geometry: &'a Geometry,
-    split: &'a Split,
-    settings: &'a Settings,
-    frame: Frame,
+/// Generators with the images that the settings need.
+pub(super) struct Sources {
+    pub(super) generators: Generators,
+    /// Weights.
+    pub(super) weights: Option<SortedGenerators>,
+    /// Leaf areas.
+    pub(super) areas: Option<SortedGenerators>,
 }
 
-/// One set of vertices on the device.
-struct Vertices {
-    queries: Queries,
-    /// Positions in the order of the split.
-    count: usize,
+/// Results of the device on their way to the host.
+#[derive(Debug, Default)]
+struct Results {
+    normals: Option<Store>,
+    foliage_ambient: Option<Store>,
+    covered_ambient: Option<Store>,
 }
 
 pub(super) fn bake(
@@ -92,126 +121,222 @@ pub(super) fn bake(
         settings,
         frame: Frame::new(min, max),
     };
-    let mut stats = Stats {
-        foliage_vertices: split.foliage_vertices.len(),
-        covered_vertices: split.covered_vertices.len(),
-        diagonal: scene.frame.diagonal,
-        ..Stats::default()
-    };
     let mut bake = Bake {
         normals: geometry.normals.clone(),
         ambient: vec![1.0; geometry.positions.len()],
         foliage_parts: split.foliage_parts.clone(),
+        stats: Stats {
+            foliage_vertices: split.foliage_vertices.len(),
+            covered_vertices: split.covered_vertices.len(),
+            diagonal: scene.frame.diagonal,
+            ..Stats::default()
+        },
         ..Bake::default()
     };
-    let needs_normals = settings.normals != NormalsMode::Original && settings.blend > 0.0;
-    let needs_ambient = matches!(
-        settings.ambient,
-        AmbientMode::Eq4 | AmbientMode::Transmittance
-    );
-    if needs_normals || needs_ambient {
-        device_stages(r, &scene, &mut bake, &mut stats)?;
+    let needs = Needs::new(settings);
+    if needs.normals || needs.ambient {
+        device_stages(r, &scene, needs, &mut bake)?;
     }
-    bake.stats = stats;
+    if settings.encoding != Encoding::None {
+        bake.encoded = encode(r, settings.encoding, &bake)?;
+    }
+    r.report("done", 1.0);
     Ok(bake)
 }
 
 fn device_stages(
     r: &mut Recorder<'_>,
     scene: &Scene<'_>,
+    needs: Needs,
     bake: &mut Bake,
-    stats: &mut Stats,
 ) -> Result<()> {
+    r.report("generators", 0.0);
+    let points = normalised(scene, &scene.split.foliage_vertices);
+    let points = r.upload("foliage points", &points)?;
+    let sources = sources(r, scene, needs, &points)?;
+    bake.stats.generators = sources.generators.count;
+    let numbers = &scene.split.foliage_vertices[..];
+    let foliage = Vertices {
+        numbers,
+        queries: Queries::sort(r, "foliage", &points, numbers.len(), scene.frame.half)?,
+        points,
+    };
+    let covered = if needs.ambient && !scene.split.covered_vertices.is_empty() {
+        Some(Vertices::new(
+            r,
+            "covered",
+            scene,
+            &scene.split.covered_vertices,
+        )?)
+    } else {
+        None
+    };
+    let leaf_area = if needs.leaf_area {
+        Some(LeafArea::new(r, scene, &sources)?)
+    } else {
+        None
+    };
+    let mut results = Results::default();
+    let mut open = None;
+    if let Some(leaf_area) = &leaf_area {
+        r.report("open sky", 0.2);
+        open = Some(openness::at_queries(
+            r,
+            leaf_area,
+            "foliage",
+            &foliage.queries,
+        )?);
+    }
+    if needs.normals {
+        r.report("normals", 0.3);
+        let found = match (&open, scene.settings.normals) {
+            (Some(open), NormalsMode::Open) => {
+                bake.stats.kept_normals = open.missing(r)?;
+                open.directions.clone()
+            }
+            _ => realign::directions(r, scene, &sources, &foliage, &mut bake.stats)?,
+        };
+        results.normals = Some(realign::normals(r, scene, &foliage, &found)?);
+    }
+    if needs.ambient {
+        r.report("ambient", 0.7);
+        let fields = AmbientFields {
+            scene,
+            sources: &sources,
+            leaf_area: leaf_area.as_ref(),
+            foliage: &foliage,
+            covered: covered.as_ref(),
+        };
+        let open = open.map(|o| o.ambient);
+        let (on_foliage, on_covered) = ambient::coefficients(r, &fields, open, &mut bake.stats)?;
+        results.foliage_ambient = Some(on_foliage);
+        results.covered_ambient = on_covered;
+    }
+    collect(r, scene, &results, bake)
+}
+
+/// Generators, their subset, and their images in bin order.
+fn sources(
+    r: &mut Recorder<'_>,
+    scene: &Scene<'_>,
+    needs: Needs,
+    points: &Store,
+) -> Result<Sources> {
     let Scene {
         geometry,
         split,
         settings,
         frame,
     } = scene;
-    r.report("leaves", 0.0);
-    let foliage = normalised(geometry, frame, &split.foliage_vertices);
     let leaves = Leaves::new(
         &geometry.positions,
         &split.foliage_indices,
         settings.primitive,
     );
-    stats.generators = leaves.len();
-    let points = r.upload("foliage points", &foliage)?;
-    let generators = generators::generators(r, &points, &local_indices(geometry, split), &leaves)?;
-    let radii = [settings.rho, settings.rho_ambient];
-    let grid = BinGrid::for_generators(frame.half, generators.count, &radii);
-    let binned = generators.bin(r, grid)?;
-    let sorted = generators.texels(r, &binned, 0.0)?;
-    let queries = Queries::sort(r, "foliage", &points, foliage.len(), frame.half)?;
-
-    if std::env::var_os("DBGQ").is_some() {
-        let q: Vec<[f32;4]> = r.fetch("q", &queries.sorted, Vec::new)?; let p: Vec<[f32;4]> = r.fetch("q", &points, Vec::new)?;
-        let mut seen = vec![0; queries.count]; let mut bad=0; for x in &q { let i=x[3].to_bits() as usize; if i>=seen.len() {bad+=1;continue;} seen[i]+=1; if p[i][..3]!=x[..3] {bad+=1;} }
-        eprintln!("bad {bad} missing {} dup {}", seen.iter().filter(|&&x|x==0).count(), seen.iter().filter(|&&x|x>1).count());
-        let b=16; for c in q.chunks(b).take(8) { let mut lo=[9f32;3]; let mut hi=[-9f32;3]; for x in c { for k in 0..3 { lo[k]=lo[k].min(x[k]); hi[k]=hi[k].max(x[k]); } } eprintln!("{lo:?} {hi:?}"); }
+    let indices = local_indices(geometry, split);
+    let all = generators::generators(r, points, &indices, &leaves)?;
+    let generators = subset::subset(r, all, settings)?;
+    let mut radii = Vec::new();
+    if needs.normals && settings.normals != NormalsMode::Open {
+        radii.push(settings.rho);
     }
-    let near = Field {
-        generators: &sorted,
-        radius: settings.rho,
-        norm: settings.norm,
+    if needs.ambient || needs.leaf_area {
+        radii.push(settings.rho_ambient);
+    }
+    let grid = BinGrid::for_generators(frame.half, generators.count, &radii);
+    let binned: BinnedGenerators = generators.bin(r, grid)?;
+    let weights = match needs.field {
+        true => Some(generators.texels(r, &binned, 0.0)?),
+        false => None,
     };
-    let field = near.at_queries(r, "field at foliage", &queries, true)?;
-    let found = r.array::<[f32; 4]>("directions", queries.count)?;
-    let counters = r.array::<u32>("missing directions", 1)?;
-    r.fill("clear missing", &counters, 0)?;
-    r.compute(
-        "directions",
-        Kernel {
-            shader: shaders::DIRECTIONS_COMP,
-            constants: &[(0, abi::DIRECTIONS_SINGLE)],
-        },
-        &[
-            Use::Read(&field),
-            Use::Read(&field),
-            Use::ReadWrite(&found),
-            Use::ReadWrite(&counters),
-        ],
-        &abi::Directions {
-            count: queries.count as u32,
-            radius: settings.rho,
-            wide_radius: 2.0 * settings.rho,
-        },
-        queries.count,
-    )?;
-    let ambient_field = Field {
-        radius: settings.rho_ambient,
-        ..near
+    let areas = match needs.leaf_area {
+        true => {
+            let scale = openness::area_scale(settings.rho_ambient);
+            Some(generators.texels(r, &binned, scale)?)
+        }
+        false => None,
     };
-    let ambient = ambient_field.at_queries(r, "ambient density", &queries, false)?;
-    let d = r.fetch("x", &ambient, || vec![0.0f32])?;
-    let n = NodeGridTest(r, &near, frame, settings)?;
-    let _ = (d, n, bake, found);
-    Ok(())
+    Ok(Sources {
+        generators,
+        weights,
+        areas,
+    })
 }
-#[allow(non_snake_case)]
-fn NodeGridTest(r: &mut Recorder<'_>, near: &Field<'_>, frame: &Frame, s: &Settings) -> Result<Vec<f32>> {
-    let g = super::field::NodeGrid::around(frame.half, f64::from(s.rho), s.cells, s.memory)?;
-    let d = near.on_grid(r, "density grid", &g)?;
-    r.fetch("x", &d, || vec![0.0f32])
+
+/// Foliage triangles with indices into the foliage's own vertices.
+fn local_indices(geometry: &Geometry, split: &Split) -> Vec<u32> {
+    let mut local = vec![0; geometry.positions.len()];
+    for (i, &v) in (0u32..).zip(&split.foliage_vertices) {
+        local[v as usize] = i;
+    }
+    let to_local = |&v: &u32| local[v as usize];
+    split.foliage_indices.iter().map(to_local).collect()
 }
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::gpu::{Gpu, GpuOptions};
-    #[test]
-    fn dbg_scan() {
-        let gpu = Gpu::new(&GpuOptions::default()).unwrap();
-        let mut p = |_: &str, _: f32| {};
-        let mut r = Recorder::new(Some(&gpu), &mut p);
-        for n in [1usize, 255, 256, 257, 1000, 70_000, 262_144] {
-            let values: Vec<u32> = (0..n as u32).map(|i| (i * 7919) % 13).collect();
-            let v = r.upload("v", &values).unwrap();
-            let f = super::super::bins::scan(&mut r, "t", &v, n).unwrap();
-            let got: Vec<u32> = r.fetch("f", &f, Vec::new).unwrap();
-            let mut run = 0;
-            let mut bad = 0;
-            for i in 0..n { if got[i] != run { bad += 1; } run += values[i]; }
-            assert_eq!((bad, got[n]), (0, run), "n={n}");
+
+/// Brings the results to the host and to their vertices.
+fn collect(
+    r: &mut Recorder<'_>,
+    scene: &Scene<'_>,
+    results: &Results,
+    bake: &mut Bake,
+) -> Result<()> {
+    let present = [
+        &results.normals,
+        &results.foliage_ambient,
+        &results.covered_ambient,
+    ];
+    let stores: Vec<&Store> = present.iter().filter_map(|s| s.as_ref()).collect();
+    let mut arrays = r
+        .fetch_all::<f32>("results", &stores, Vec::new)?
+        .into_iter();
+    let mut next = |there: bool| if there { arrays.next() } else { None };
+    let split = scene.split;
+    if let Some(normals) = next(results.normals.is_some()) {
+        for (n, &v) in normals.chunks_exact(3).zip(&split.foliage_vertices) {
+            bake.normals[v as usize] = glam::Vec3::from_slice(n);
         }
     }
+    let ambients = [
+        (&results.foliage_ambient, &split.foliage_vertices),
+        (&results.covered_ambient, &split.covered_vertices),
+    ];
+    for (store, vertices) in ambients {
+        for (&k, &v) in next(store.is_some()).iter().flatten().zip(vertices) {
+            bake.ambient[v as usize] = k;
+        }
+    }
+    Ok(())
+}
+
+/// Normal and coefficient of every vertex in the form of `encoding`, in words.
+pub(super) fn encode(r: &mut Recorder<'_>, encoding: Encoding, bake: &Bake) -> Result<Vec<u32>> {
+    let (constant, words) = match encoding {
+        Encoding::Length => (abi::ENCODING_LENGTH, 3),
+        Encoding::Packed16 => (abi::ENCODING_PACKED16, 2),
+        Encoding::Packed8 => (abi::ENCODING_PACKED8, 1),
+        Encoding::None => return Ok(Vec::new()),
+    };
+    let count = bake.normals.len();
+    let normals = r.upload("normals", &bake.normals)?;
+    let ambient = r.upload("ambient", &bake.ambient)?;
+    let encoded = r.array::<u32>("encoded", words * count)?;
+    r.compute(
+        "encode",
+        Kernel {
+            shader: shaders::ENCODE_COMP,
+            constants: &[(0, constant)],
+        },
+        &[
+            Use::Read(&normals),
+            Use::Read(&ambient),
+            Use::Write(&encoded),
+        ],
+        &abi::Encode {
+            count: count as u32,
+        },
+        count,
+    )?;
+    let mut out = r.fetch::<u32>("encoded", &encoded, Vec::new)?;
+    out.truncate(words * count);
+    Ok(out)
 }

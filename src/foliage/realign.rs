@@ -1,0 +1,121 @@
+//! Realigned normals of foliage vertices (Luft, Balzer, Deussen 2007, section 3.3).
+
+use super::bake::Stats;
+use super::field::Field;
+use super::recorder::{Kernel, Recorder, Store, Use};
+use super::settings::NormalsMode;
+use super::stages::{Scene, Sources, Vertices};
+use crate::abi;
+use crate::gpu::shaders::foliage as shaders;
+use crate::{Error, Result};
+
+/// Directions (unit, and 1 where there is one) of the foliage vertices in the mode of the
+/// settings. Gaps are filled from the field with twice the radius.
+pub(super) fn directions(
+    r: &mut Recorder<'_>,
+    scene: &Scene<'_>,
+    sources: &Sources,
+    foliage: &Vertices<'_>,
+    stats: &mut Stats,
+) -> Result<Store> {
+    let s = scene.settings;
+    let near = Field {
+        generators: sources.weights.as_ref().expect("made for normals"),
+        radius: s.rho,
+        norm: s.norm,
+    };
+    let wide = Field {
+        radius: 2.0 * s.rho,
+        ..near
+    };
+    let steps = Steps {
+        foliage,
+        found: r.array::<[f32; 4]>("directions", foliage.numbers.len())?,
+        counters: r.array::<u32>("missing directions", 1)?,
+        radius: s.rho,
+    };
+    match s.normals {
+        NormalsMode::Gradient => {
+            let near = near.at_queries(r, "field at foliage", &foliage.queries, true)?;
+            let missing = steps.run(r, abi::DIRECTIONS_SINGLE, &near, &near)?;
+            if missing > 0 {
+                let wide = wide.at_queries(r, "wide field at foliage", &foliage.queries, true)?;
+                stats.kept_normals = steps.run(r, abi::DIRECTIONS_FILL, &wide, &wide)?;
+                stats.wide_fallbacks = missing - stats.kept_normals;
+            }
+        }
+        NormalsMode::Multiscale => {
+            let near = near.at_queries(r, "field at foliage", &foliage.queries, true)?;
+            let wide = wide.at_queries(r, "wide field at foliage", &foliage.queries, true)?;
+            stats.kept_normals = steps.run(r, abi::DIRECTIONS_MEAN, &near, &wide)?;
+        }
+        mode => {
+            return Err(Error::usage(format!("normals = {mode} is not built yet")));
+        }
+    }
+    Ok(steps.found)
+}
+
+/// The passes that turn gradients into directions.
+struct Steps<'a> {
+    foliage: &'a Vertices<'a>,
+    found: Store,
+    counters: Store,
+    radius: f32,
+}
+
+impl Steps<'_> {
+    /// Runs `directions.comp` in one of its modes; returns how many directions are missing.
+    fn run(&self, r: &mut Recorder<'_>, mode: u32, near: &Store, wide: &Store) -> Result<usize> {
+        let count = self.foliage.numbers.len();
+        r.fill("clear missing", &self.counters, 0)?;
+        r.compute(
+            "directions",
+            Kernel {
+                shader: shaders::DIRECTIONS_COMP,
+                constants: &[(0, mode)],
+            },
+            &[
+                Use::Read(near),
+                Use::Read(wide),
+                Use::ReadWrite(&self.found),
+                Use::ReadWrite(&self.counters),
+            ],
+            &abi::GradientDirections {
+                count: count as u32,
+                radius: self.radius,
+                wide_radius: 2.0 * self.radius,
+            },
+            count,
+        )?;
+        Ok(r.fetch::<u32>("missing directions", &self.counters, || vec![0])?[0] as usize)
+    }
+}
+
+/// Blends the directions with the vertices' own normals.
+pub(super) fn normals(
+    r: &mut Recorder<'_>,
+    scene: &Scene<'_>,
+    foliage: &Vertices<'_>,
+    found: &Store,
+) -> Result<Store> {
+    let count = foliage.numbers.len();
+    let own: Vec<[f32; 3]> = foliage
+        .numbers
+        .iter()
+        .map(|&v| scene.geometry.normals[v as usize].to_array())
+        .collect();
+    let own = r.upload("own normals", &own)?;
+    let normals = r.array::<[f32; 3]>("realigned normals", count)?;
+    r.compute(
+        "realign",
+        shaders::REALIGN_COMP,
+        &[Use::Read(found), Use::Read(&own), Use::Write(&normals)],
+        &abi::Realign {
+            count: count as u32,
+            blend: scene.settings.blend,
+        },
+        count,
+    )?;
+    Ok(normals)
+}
