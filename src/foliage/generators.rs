@@ -20,7 +20,6 @@ pub(super) struct Generators {
 /// Generators sorted into bins, ready for the field kernels.
 #[derive(Debug)]
 pub(super) struct SortedGenerators {
-    pub(super) count: usize,
     pub(super) grid: BinGrid,
     /// First generator of every bin.
     pub(super) first: Store,
@@ -132,7 +131,6 @@ impl Generators {
             self.count,
         )?;
         Ok(SortedGenerators {
-            count: self.count,
             grid: binned.grid,
             first: binned.binned.first.clone(),
             texels,

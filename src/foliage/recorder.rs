@@ -28,7 +28,6 @@ pub struct PlannedResource {
 /// A buffer that exists only when there is a device.
 #[derive(Debug, Clone)]
 pub(super) struct Store {
-    pub(super) bytes: u64,
     buffer: Option<Buffer>,
 }
 
@@ -127,7 +126,7 @@ impl<'a> Recorder<'a> {
                 Some(gpu.buffer(BufferInfo::device(name, bytes))?)
             }
         };
-        Ok(Store { bytes, buffer })
+        Ok(Store { buffer })
     }
 
     /// A device buffer of `count` elements.
