@@ -16,6 +16,7 @@ mod foliage_skylight;
 mod foliage_surface;
 mod foliage_traced;
 mod gpu;
+mod grow;
 mod model_fixture;
 mod models;
 mod models_damage;

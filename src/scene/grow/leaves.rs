@@ -15,6 +15,9 @@ use crate::scene::{Botany, Leaf, Primitive};
 /// Above this many leaves the coarse leaf mesh is used.
 const COARSE_ABOVE: u32 = 120_000;
 
+/// Longest leaf over the plant's height, for plants of very few leaves.
+const LONGEST: f64 = 0.1;
+
 /// How the leaves are shared out.
 pub(super) struct Shares {
     /// Which stems exist: plants with few leaves lose last-order twigs.
@@ -29,17 +32,20 @@ pub(super) struct Shares {
 /// of one rounded running sum.
 pub(super) fn share_out(skeleton: &Skeleton, p: &Parameters, wanted: u32) -> Shares {
     let stems = &skeleton.stems;
-    let keep = thin_twigs(stems, p, wanted);
+    let (keep, twig_share) = thin_twigs(stems, p, wanted);
     let bearing = |stem: &Stem| p.leaf.bearing[usize::from(stem.order)].max(stem.start());
     let leafy: Vec<f64> = stems
         .iter()
         .zip(&keep)
         .map(|(stem, &kept)| {
-            if kept {
-                stem.length * (1.0 - bearing(stem))
+            let length = stem.length * (1.0 - bearing(stem));
+            // Where twigs are missing, branches lose as many leaves as the twigs do.
+            let share = if stem.order + 1 == p.levels {
+                1.0
             } else {
-                0.0
-            }
+                twig_share
+            };
+            if kept { length * share } else { 0.0 }
         })
         .collect();
     let middle = |stem: &Stem| stem.at(0.5 * (1.0 + bearing(stem))).position;
@@ -82,8 +88,9 @@ pub(super) fn share_out(skeleton: &Skeleton, p: &Parameters, wanted: u32) -> Sha
     }
 }
 
-/// Keeps as many last-order twigs as the leaves need, evenly; all of them in winter.
-fn thin_twigs(stems: &[Stem], p: &Parameters, wanted: u32) -> Vec<bool> {
+/// Keeps as many last-order twigs as the leaves need, evenly; all of them in winter. Returns the
+/// stems that stay and the share of twigs that do.
+fn thin_twigs(stems: &[Stem], p: &Parameters, wanted: u32) -> (Vec<bool>, f64) {
     let is_twig = |stem: &Stem| stem.order + 1 == p.levels;
     let twigs = stems.iter().filter(|s| is_twig(s)).count();
     let needed = f64::from(wanted) / (p.leaf.per_twig * twigs.max(1) as f64);
@@ -93,7 +100,7 @@ fn thin_twigs(stems: &[Stem], p: &Parameters, wanted: u32) -> Vec<bool> {
         needed.clamp(0.06, 1.0)
     };
     let mut seen = 0.0f64;
-    stems
+    let keep = stems
         .iter()
         .map(|stem| {
             if !is_twig(stem) || stem.is_fork {
@@ -103,7 +110,8 @@ fn thin_twigs(stems: &[Stem], p: &Parameters, wanted: u32) -> Vec<bool> {
             seen += 1.0;
             (seen * share).floor() > before
         })
-        .collect()
+        .collect();
+    (keep, share)
 }
 
 /// A leaf about to be meshed.
@@ -138,6 +146,8 @@ pub(super) fn mesh(
     // total leaf area stays that of the natural density
     let natural = f64::from(p.leaf.count.max(1));
     let scale = p.leaf.scale * (natural / f64::from(wanted.max(1))).sqrt();
+    // a handful of leaves cannot make up a crown; they stay recognisable as leaves
+    let scale = scale.min(LONGEST * p.scale);
     for (i, stem) in skeleton.stems.iter().enumerate() {
         let mut own = random.fork(i as u64);
         let mut turn = own.unit() * 360.0;
@@ -240,6 +250,11 @@ fn place(site: &Site<'_>, leaf: &LeafParameters, crown: &Crown, random: &mut Ran
     let ahead = heading * cosine + radial * sine + 0.12 * jitter - DVec3::Y * (0.6 * leaf.droop);
     // leaf bend (section 4.9): the blade turns its upper side to the light
     let ahead = ahead - light * (0.6 * leaf.bend * ahead.dot(light));
+    let size = 1.0 + 0.22 * random.signed();
+    let length = site.scale * size;
+    let mut ahead = ahead.normalize_or(heading);
+    // no leaf pokes into the ground
+    ahead.y = ahead.y.max(0.3 - 0.8 * point.position.y / length);
     let tangent = ahead.normalize_or(heading);
     let upper = heading * sine - radial * cosine;
     let upper = upper * (1.0 - leaf.bend) + light * leaf.bend;
@@ -247,12 +262,11 @@ fn place(site: &Site<'_>, leaf: &LeafParameters, crown: &Crown, random: &mut Ran
     let upper = upper + 0.38 * sway;
     let normal = perpendicular(upper, tangent);
     let out = if terminal { heading } else { radial };
-    let size = 1.0 + 0.22 * random.signed();
     Placement {
         base: point.position + out * (0.85 * point.radius),
         tangent,
         normal,
-        length: site.scale * size,
+        length,
         variant: (random.bits() >> 33) as usize % VARIANTS,
         tint: tint(site.light, fraction, random),
         order: stem.order,

@@ -20,7 +20,8 @@ pub struct GrowOptions {
     /// Same seed, same plant.
     pub seed: u64,
     /// Number of leaves, 0 (winter) to [`MAX_LEAVES`]; `None` takes the species' own. Leaf size
-    /// follows so that the total leaf area stays the same.
+    /// follows so that the total leaf area stays the same (below some hundred leaves, which
+    /// would be longer than a tenth of the plant, it shrinks).
     pub leaves: Option<u32>,
     /// Fineness of the wood's mesh, \[0.25, 4\]; 1 suits a picture of the whole plant.
     pub detail: f32,

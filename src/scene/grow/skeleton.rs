@@ -331,7 +331,7 @@ impl Grower<'_> {
         let whorls = (count / f64::from(level.whorl) + random.unit()).floor();
         let mut turn = random.unit() * 360.0;
         for i in 0..whorls as u32 {
-            let jitter = if level.whorl > 1 { 0.25 } else { 0.7 } * (random.unit() - 0.5);
+            let jitter = 0.7 * (random.unit() - 0.5);
             let fraction = low + (1.0 - low) * (f64::from(i) + 0.55 + jitter) / whorls;
             for k in 0..level.whorl {
                 let own = random.fork(u64::from(i) * 64 + u64::from(k));
@@ -342,7 +342,14 @@ impl Grower<'_> {
                     turn + 360.0 * f64::from(k) / f64::from(level.whorl)
                 };
                 let azimuth = azimuth + level.rotate_v * random.signed();
-                self.child(id, fraction.min(0.995), azimuth, own);
+                // the boughs of a whorl do not stand on one ring exactly
+                let aside = if level.whorl > 1 {
+                    0.5 * random.signed()
+                } else {
+                    0.0
+                };
+                let at = fraction + (1.0 - low) * aside / whorls;
+                self.child(id, at.clamp(low, 0.995), azimuth, own);
             }
             turn += level.rotate;
         }
