@@ -247,6 +247,12 @@ abi! {
             bins: [u32; 3],
         }
 
+        /// Push constants of `foliage/leaf_share.comp`.
+        LeafShare {
+            /// Triangles.
+            count: u32,
+        }
+
         /// Push constants of `foliage/sky_depth.comp`.
         SkyDepth {
             /// Nodes per axis of the leaf-area grid.
@@ -499,22 +505,6 @@ abi! {
             d_min: f32,
             /// Exponent n.
             exponent: f32,
-        }
-
-        /// Push constants of `foliage/openness.comp`.
-        Openness {
-            /// Node (0,0,0) of the leaf-area grid.
-            origin: [f32; 3],
-            /// Cell size.
-            cell: f32,
-            /// Nodes per axis.
-            nodes: [u32; 3],
-            /// Queries.
-            count: u32,
-            /// Directions.
-            directions: u32,
-            /// Mean projection of a unit leaf area.
-            extinction: f32,
         }
 
         /// Push constants of `foliage/encode.comp`.

@@ -2,7 +2,7 @@
 
 use super::bake::Stats;
 use super::field::Field;
-use super::openness::{self, LeafArea};
+use super::openness::{self, Skylight};
 use super::recorder::{Recorder, Store, Use};
 use super::settings::{AmbientMode, Threshold};
 use super::stages::{Scene, Sources, Vertices};
@@ -14,7 +14,7 @@ use crate::gpu::shaders::foliage as shaders;
 pub(super) struct AmbientFields<'a> {
     pub(super) scene: &'a Scene<'a>,
     pub(super) sources: &'a Sources,
-    pub(super) leaf_area: Option<&'a LeafArea>,
+    pub(super) skylight: Option<&'a Skylight>,
     pub(super) foliage: &'a Vertices<'a>,
     pub(super) covered: Option<&'a Vertices<'a>>,
 }
@@ -30,13 +30,13 @@ pub(super) fn coefficients(
     if f.scene.settings.ambient == AmbientMode::Eq4 {
         return transfer(r, f, stats);
     }
-    let leaf_area = f.leaf_area.expect("made for transmittance");
+    let skylight = f.skylight.expect("made for transmittance");
     let on_foliage = match open {
         Some(open) => open,
-        None => openness::at_queries(r, leaf_area, "foliage", &f.foliage.queries)?.ambient,
+        None => openness::at_queries(r, skylight, "foliage", &f.foliage.queries)?.ambient,
     };
     let on_covered = match f.covered {
-        Some(c) => Some(openness::at_queries(r, leaf_area, "covered", &c.queries)?.ambient),
+        Some(c) => Some(openness::at_queries(r, skylight, "covered", &c.queries)?.ambient),
         None => None,
     };
     Ok((on_foliage, on_covered))

@@ -8,7 +8,7 @@ use super::split::Split;
 use super::stages;
 use crate::Result;
 use crate::gpu::{Gpu, PassTime};
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Model};
 
 /// Per-vertex results of a bake.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -69,7 +69,7 @@ impl Recipe {
     pub fn new(geometry: &Geometry, split: &Split, settings: &Settings) -> Result<Self> {
         let mut silent = |_: &str, _: f32| {};
         let mut r = Recorder::new(None, &mut silent);
-        stages::bake(&mut r, geometry, split, settings)?;
+        stages::bake(&mut r, None, geometry, split, settings)?;
         Ok(Self {
             passes: r.passes,
             resources: r.resources,
@@ -95,21 +95,22 @@ pub struct Baked {
 }
 
 impl Bake {
-    /// Bakes the foliage of `geometry` on the compute queue. Only what the settings require is
-    /// allocated and run.
+    /// Bakes the foliage of `geometry`, which is `model` flattened, on the compute queue. Only what
+    /// the settings require is allocated, decoded and run.
     ///
     /// # Errors
     /// Settings outside their range; a grid over the memory bound; a buffer over the device's
-    /// limits; a lost device.
+    /// limits; an alpha texture that cannot be decoded; a lost device.
     pub fn compute(
         gpu: &Gpu,
+        model: &Model,
         geometry: &Geometry,
         split: &Split,
         settings: &Settings,
         progress: Progress<'_>,
     ) -> Result<Baked> {
         let mut r = Recorder::new(Some(gpu), progress);
-        let bake = stages::bake(&mut r, geometry, split, settings)?;
+        let bake = stages::bake(&mut r, Some(model), geometry, split, settings)?;
         if bake.stats.kept_normals > 0 {
             log::warn!(
                 "{} of {} foliage vertices keep their own normal: the field has no direction there",

@@ -15,15 +15,17 @@ const BLEND_CUTOFF: f32 = 0.5;
 const SAMPLES: u32 = 4096;
 
 /// Share of each part's area (in the order of [`Geometry::parts`]) that is leaf rather than the
-/// transparent margin of a card, in \[0,1\]: the leaf-area field counts leaf only.
+/// transparent margin of a card, in \[0,1\]: the leaf-area field counts leaf only. Parts that are not
+/// `wanted` are not looked at and get 1.
 ///
 /// # Errors
 /// An alpha texture that cannot be decoded.
-pub fn opaque_shares(model: &Model, geometry: &Geometry) -> Result<Vec<f32>> {
+pub fn opaque_shares(model: &Model, geometry: &Geometry, wanted: &[bool]) -> Result<Vec<f32>> {
     let cutouts: Vec<Option<Cutout>> = (0..model.materials.len())
         .into_par_iter()
         .map(|material| {
-            let used = geometry.parts.iter().any(|p| p.material == material);
+            let parts = geometry.parts.iter().zip(wanted);
+            let used = parts.filter(|p| *p.1).any(|p| p.0.material == material);
             used.then(|| Cutout::new(model, &model.materials[material]))
                 .transpose()
         })

@@ -4,19 +4,21 @@
 use super::ambient::{self, AmbientFields};
 use super::bake::{Bake, Stats};
 use super::bins::BinGrid;
+use super::cutout;
 use super::field::Queries;
 use super::frame::Frame;
 use super::generators::{self, BinnedGenerators, Generators, SortedGenerators};
-use super::openness::{self, LeafArea};
+use super::openness::{self, Skylight, Triangles};
 use super::realign;
 use super::recorder::{Kernel, Recorder, Store, Use};
 use super::settings::{AmbientMode, Encoding, NormalsMode, Settings};
 use super::split::{Leaves, Split};
 use super::subset;
+use super::traced::{Occluders, Rays, Weighting};
 use crate::Result;
 use crate::abi;
 use crate::gpu::shaders::foliage as shaders;
-use crate::scene::Geometry;
+use crate::scene::{Geometry, Model};
 
 /// What the settings ask for.
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +50,8 @@ impl Needs {
 
 /// What every stage reads.
 pub(super) struct Scene<'a> {
+    /// Absent in a recipe, which decodes no texture.
+    pub(super) model: Option<&'a Model>,
     pub(super) geometry: &'a Geometry,
     pub(super) split: &'a Split,
     pub(super) settings: &'a Settings,
@@ -95,8 +99,6 @@ pub(super) struct Sources {
     pub(super) generators: Generators,
     /// Weights.
     pub(super) weights: Option<SortedGenerators>,
-    /// Leaf areas.
-    pub(super) areas: Option<SortedGenerators>,
 }
 
 /// Results of the device on their way to the host.
@@ -109,6 +111,7 @@ struct Results {
 
 pub(super) fn bake(
     r: &mut Recorder<'_>,
+    model: Option<&Model>,
     geometry: &Geometry,
     split: &Split,
     settings: &Settings,
@@ -116,6 +119,7 @@ pub(super) fn bake(
     settings.check()?;
     let (min, max) = split.bounds(geometry);
     let scene = Scene {
+        model,
         geometry,
         split,
         settings,
@@ -136,6 +140,16 @@ pub(super) fn bake(
     let needs = Needs::new(settings);
     if needs.normals || needs.ambient {
         device_stages(r, &scene, needs, &mut bake)?;
+    }
+    if let (AmbientMode::Traced, Some(model)) = (settings.ambient, model) {
+        r.report("rays", 0.8);
+        let rays = Rays {
+            count: settings.directions,
+            seed: settings.seed,
+            weighting: Weighting::Sphere,
+        };
+        let occluders = Occluders::new(model, geometry)?;
+        bake.ambient = occluders.ambient(&geometry.positions, &geometry.normals, &rays);
     }
     if settings.encoding != Encoding::None {
         bake.encoded = encode(r, settings.encoding, &bake)?;
@@ -171,21 +185,22 @@ fn device_stages(
     } else {
         None
     };
-    let leaf_area = if needs.leaf_area {
-        Some(LeafArea::new(r, scene, &sources)?)
+    let skylight = if needs.leaf_area {
+        r.report("skylight", 0.1);
+        let triangles = Triangles {
+            points: &foliage.points,
+            indices: &local_indices(scene.geometry, scene.split),
+            shares: &leaf_shares(scene)?,
+        };
+        Some(Skylight::new(r, scene, &triangles)?)
     } else {
         None
     };
     let mut results = Results::default();
     let mut open = None;
-    if let Some(leaf_area) = &leaf_area {
-        r.report("open sky", 0.2);
-        open = Some(openness::at_queries(
-            r,
-            leaf_area,
-            "foliage",
-            &foliage.queries,
-        )?);
+    if let Some(skylight) = &skylight {
+        let at = &foliage.queries;
+        open = Some(openness::at_queries(r, skylight, "foliage", at)?);
     }
     if needs.normals {
         r.report("normals", 0.3);
@@ -203,7 +218,7 @@ fn device_stages(
         let fields = AmbientFields {
             scene,
             sources: &sources,
-            leaf_area: leaf_area.as_ref(),
+            skylight: skylight.as_ref(),
             foliage: &foliage,
             covered: covered.as_ref(),
         };
@@ -227,6 +242,7 @@ fn sources(
         split,
         settings,
         frame,
+        ..
     } = scene;
     let leaves = Leaves::new(
         &geometry.positions,
@@ -240,7 +256,7 @@ fn sources(
     if needs.normals && settings.normals != NormalsMode::Open {
         radii.push(settings.rho);
     }
-    if needs.ambient || needs.leaf_area {
+    if settings.ambient == AmbientMode::Eq4 {
         radii.push(settings.rho_ambient);
     }
     let grid = BinGrid::for_generators(frame.half, generators.count, &radii);
@@ -249,17 +265,9 @@ fn sources(
         true => Some(generators.texels(r, &binned, 0.0)?),
         false => None,
     };
-    let areas = match needs.leaf_area {
-        true => {
-            let scale = openness::area_scale(settings.rho_ambient);
-            Some(generators.texels(r, &binned, scale)?)
-        }
-        false => None,
-    };
     Ok(Sources {
         generators,
         weights,
-        areas,
     })
 }
 
@@ -271,6 +279,19 @@ fn local_indices(geometry: &Geometry, split: &Split) -> Vec<u32> {
     }
     let to_local = |&v: &u32| local[v as usize];
     split.foliage_indices.iter().map(to_local).collect()
+}
+
+/// Share of every foliage triangle that is leaf and not the transparent margin of a card.
+fn leaf_shares(scene: &Scene<'_>) -> Result<Vec<f32>> {
+    let Some(model) = scene.model else {
+        return Ok(vec![1.0; scene.split.foliage_indices.len() / 3]);
+    };
+    let of_parts = cutout::opaque_shares(model, scene.geometry, &scene.split.foliage_parts)?;
+    let parts = scene.geometry.parts.iter().zip(of_parts);
+    let foliage = parts.zip(&scene.split.foliage_parts).filter(|(_, f)| **f);
+    Ok(foliage
+        .flat_map(|((part, share), _)| std::iter::repeat_n(share, part.index_count / 3))
+        .collect())
 }
 
 /// Brings the results to the host and to their vertices.

@@ -102,7 +102,8 @@ fn masked_texels_let_rays_pass() {
         model.materials[0].base_color_texture = Some(TextureRef::new(0));
         model
     };
-    let share = |model: &Model| opaque_shares(model, &Geometry::flatten(model)).unwrap()[0];
+    let share =
+        |model: &Model| opaque_shares(model, &Geometry::flatten(model), &[true]).unwrap()[0];
     let at = Vec3::new(0.0, 0.3, 0.0);
     let solid = ambient(&card(), at, &RAYS);
     let mut half = checker(|i| (i + i / 16) % 2 == 0);
