@@ -142,6 +142,18 @@ abi! {
         ENCODING_PACKED16: u32 = 1;
         /// Octahedral 2 x snorm8 + unorm8.
         ENCODING_PACKED8: u32 = 2;
+        /// Items or boxes in one box of the hierarchy over the implicit surface.
+        BOX_CHILDREN: u32 = 8;
+        /// Neighbouring queries that one invocation of `nearest.comp` takes in turn.
+        NEAREST_QUERIES: u32 = 16;
+        /// Newton steps onto the surface at most (`exact.comp`).
+        EXACT_NEWTON_STEPS: u32 = 20;
+        /// Descent steps along the surface at most (`exact.comp`).
+        EXACT_DESCENT_STEPS: u32 = 60;
+        /// Steps shorter than this share of the radius have arrived (`exact.comp`).
+        EXACT_TOLERANCE: f32 = 2e-6;
+        /// Below this |grad D| times the radius a Newton step leads nowhere (`exact.comp`).
+        EXACT_SLOPE_FLOOR: f32 = 1e-6;
         /// Below this |grad D| times the radius the gradient has no direction.
         GRADIENT_FLOOR: f32 = 1e-3;
         /// Below this length a mean of unit vectors has no direction.
@@ -184,6 +196,71 @@ abi! {
         LENGTH_MIN_AMBIENT: f32 = 0.00390625;
     }
     structs {
+        // ---- foliage: the implicit surface ----
+
+        /// Push constants of the kernels that walk the grid (`foliage/surface_*.comp`,
+        /// `foliage/sample.comp`).
+        SurfaceGrid {
+            /// Position of node (0,0,0).
+            origin: [f32; 3],
+            /// Cell size.
+            cell: f32,
+            /// Nodes per axis.
+            nodes: [u32; 3],
+            /// Threshold; inside is strictly above.
+            tau: f32,
+            /// Vertices of the surface (`surface_normals.comp`) or points (`sample.comp`).
+            count: u32,
+            /// Radius of influence (`surface_normals.comp`).
+            radius: f32,
+        }
+
+        /// Push constants of kernels that need to know only how many there are.
+        Count {
+            /// Items.
+            count: u32,
+        }
+
+        /// Push constants of `foliage/surface_boxes.comp`.
+        BoxLevel {
+            /// Boxes of this level.
+            count: u32,
+            /// Items or boxes of the level below.
+            children: u32,
+            /// 0: over items.
+            level: u32,
+            /// First box of this level.
+            first: u32,
+            /// First box of the level below.
+            child_first: u32,
+        }
+
+        /// Push constants of `foliage/nearest.comp`.
+        NearestQueries {
+            /// Queries.
+            count: u32,
+            /// Items in the hierarchy.
+            items: u32,
+            /// Levels of boxes.
+            levels: u32,
+        }
+
+        /// Push constants of `foliage/exact.comp`.
+        ExactQueries {
+            /// Corner of bin (0,0,0).
+            bin_origin: [f32; 3],
+            /// Edge of a bin.
+            bin_edge: f32,
+            /// Bins per axis.
+            bins: [u32; 3],
+            /// Radius of influence.
+            radius: f32,
+            /// Queries.
+            count: u32,
+            /// Threshold.
+            tau: f32,
+        }
+
         // ---- gpu ----
 
         /// Push constants of `gpu/fill_sequence.comp`: the smallest kernel, which proves the path

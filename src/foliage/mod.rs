@@ -7,13 +7,17 @@ pub mod cutout;
 pub mod field;
 pub mod frame;
 mod generators;
+mod implicit;
+mod nearest;
 mod openness;
+pub mod probe;
 mod realign;
 mod recorder;
 pub mod settings;
 pub mod split;
 mod stages;
 mod subset;
+pub mod surface;
 pub mod table;
 pub mod traced;
 
@@ -26,4 +30,5 @@ pub use settings::{
     SurfaceNormals, Threshold,
 };
 pub use split::Split;
+pub use surface::{Surface, Surfaced};
 pub use table::{SETTINGS, SettingInfo};

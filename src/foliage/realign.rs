@@ -2,12 +2,13 @@
 
 use super::bake::Stats;
 use super::field::Field;
+use super::implicit;
 use super::recorder::{Kernel, Recorder, Store, Use};
 use super::settings::NormalsMode;
 use super::stages::{Scene, Sources, Vertices};
+use crate::Result;
 use crate::abi;
 use crate::gpu::shaders::foliage as shaders;
-use crate::{Error, Result};
 
 /// Directions (unit, and 1 where there is one) of the foliage vertices in the mode of the
 /// settings. Gaps are filled from the field with twice the radius.
@@ -19,6 +20,9 @@ pub(super) fn directions(
     stats: &mut Stats,
 ) -> Result<Store> {
     let s = scene.settings;
+    if s.needs_surface() {
+        return implicit::directions(r, scene, sources, foliage, stats);
+    }
     let near = Field {
         generators: sources.weights.as_ref().expect("made for normals"),
         radius: s.rho,
@@ -49,9 +53,7 @@ pub(super) fn directions(
             let wide = wide.at_queries(r, "wide field at foliage", &foliage.queries, true)?;
             stats.kept_normals = steps.run(r, abi::DIRECTIONS_MEAN, &near, &wide)?;
         }
-        mode => {
-            return Err(Error::usage(format!("normals = {mode} is not built yet")));
-        }
+        mode => unreachable!("{mode} is handled before the field modes"),
     }
     Ok(steps.found)
 }

@@ -8,12 +8,14 @@ use super::cutout;
 use super::field::Queries;
 use super::frame::Frame;
 use super::generators::{self, BinnedGenerators, Generators, SortedGenerators};
+use super::implicit;
 use super::openness::{self, Skylight, Triangles};
 use super::realign;
 use super::recorder::{Kernel, Recorder, Store, Use};
 use super::settings::{AmbientMode, Encoding, NormalsMode, Settings};
 use super::split::{Leaves, Split};
 use super::subset;
+use super::surface::Surface;
 use super::traced::{Occluders, Rays, Weighting};
 use crate::Result;
 use crate::abi;
@@ -156,6 +158,42 @@ pub(super) fn bake(
     }
     r.report("done", 1.0);
     Ok(bake)
+}
+
+/// The implicit surface alone, with its stats.
+pub(super) fn surface(
+    r: &mut Recorder<'_>,
+    geometry: &Geometry,
+    split: &Split,
+    settings: &Settings,
+) -> Result<(Surface, Stats)> {
+    // The settings of a bake that realigns by the surface and computes no ambient coefficient.
+    let settings = Settings {
+        normals: NormalsMode::Vertex,
+        blend: 1.0,
+        ambient: AmbientMode::None,
+        ..*settings
+    };
+    settings.check()?;
+    let (min, max) = split.bounds(geometry);
+    let scene = Scene {
+        model: None,
+        geometry,
+        split,
+        settings: &settings,
+        frame: Frame::new(min, max),
+    };
+    r.report("generators", 0.0);
+    let foliage = Vertices::new(r, "foliage", &scene, &split.foliage_vertices)?;
+    let sources = sources(r, &scene, Needs::new(&settings), &foliage.points)?;
+    let mut stats = Stats {
+        generators: sources.generators.count,
+        ..Stats::default()
+    };
+    r.report("surface", 0.3);
+    let mesh = implicit::mesh(r, &scene, &sources, &foliage, &mut stats)?;
+    r.report("done", 1.0);
+    Ok((mesh, stats))
 }
 
 fn device_stages(

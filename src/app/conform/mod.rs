@@ -3,6 +3,7 @@
 //! A case lives in one file per room (`gpu`, `foliage`, `render`); the test suite runs the same
 //! cases, so `umbrage conform` and the tests cannot drift apart.
 
+mod foliage_surface;
 mod gpu;
 mod skylight;
 
@@ -41,6 +42,7 @@ impl Outcome {
 #[must_use]
 pub fn cases() -> Vec<Case> {
     let mut cases = gpu::cases();
+    cases.extend(foliage_surface::cases());
     cases.extend(skylight::cases());
     cases
 }

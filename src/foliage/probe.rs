@@ -1,0 +1,109 @@
+//! The surface kernels on given generators, one result each, as `umbrage conform` compares them
+//! with their twins.
+
+use glam::DVec3;
+
+use super::bins::BinGrid;
+use super::field::{Field, NodeGrid, Queries};
+use super::generators::Generators;
+use super::nearest::{self, Target};
+use super::recorder::Recorder;
+use super::settings::{Norm, SurfaceNormals};
+use super::surface::{self, Surface};
+use crate::Result;
+use crate::gpu::Gpu;
+
+/// What the surface of some generators is asked.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceQuestion<'a> {
+    /// Position and weight of every generator, normalised coordinates.
+    pub generators: &'a [[f32; 4]],
+    /// Half the extent of a box around generators and queries.
+    pub half: DVec3,
+    /// Radius of influence.
+    pub radius: f32,
+    /// Norm of the distance.
+    pub norm: Norm,
+    /// Cells along the longest side.
+    pub cells: u32,
+    /// Threshold.
+    pub tau: f32,
+    /// Where the surface's normals come from.
+    pub normals: SurfaceNormals,
+    /// Points whose nearest surface is sought; the fourth component is ignored.
+    pub queries: &'a [[f32; 4]],
+}
+
+/// The answers.
+#[derive(Debug, Clone)]
+pub struct SurfaceAnswer {
+    /// The grid.
+    pub grid: NodeGrid,
+    /// Density at its nodes, x fastest.
+    pub density: Vec<f32>,
+    /// The surface.
+    pub surface: Surface,
+    /// Nearest surface vertex per query; empty without a surface, like the rest.
+    pub nearest_vertex: Vec<u32>,
+    /// Direction per query in mode `vertex`.
+    pub vertex: Vec<[f32; 4]>,
+    /// Direction per query in mode `face`.
+    pub face: Vec<[f32; 4]>,
+    /// Direction per query in mode `exact`.
+    pub exact: Vec<[f32; 4]>,
+}
+
+/// Runs grid, surface and nearest search.
+///
+/// # Errors
+/// As [`super::Bake::compute`].
+pub fn surface(gpu: &Gpu, q: &SurfaceQuestion<'_>) -> Result<SurfaceAnswer> {
+    let mut silent = |_: &str, _: f32| {};
+    let r = &mut Recorder::new(Some(gpu), &mut silent);
+    let count = q.generators.len();
+    let generators = Generators {
+        count,
+        centres: r.upload("generator centres", q.generators)?,
+        areas: r.upload("generator areas", &vec![0.0f32; count])?,
+    };
+    let bins = BinGrid::for_generators(q.half, count, &[q.radius]);
+    let sorted = {
+        let binned = generators.bin(r, bins)?;
+        generators.texels(r, &binned, 0.0)?
+    };
+    let field = Field {
+        generators: &sorted,
+        radius: q.radius,
+        norm: q.norm,
+    };
+    let grid = NodeGrid::around(q.half, f64::from(q.radius), q.cells, 1024)?;
+    let density = field.on_grid(r, "density grid", &grid)?;
+    let device = surface::extract(r, &field, (&grid, &density), q.tau, q.normals, q.half)?;
+    let mut answer = SurfaceAnswer {
+        grid,
+        density: r.fetch("density grid", &density, Vec::new)?,
+        surface: device.download(r)?,
+        nearest_vertex: Vec::new(),
+        vertex: Vec::new(),
+        face: Vec::new(),
+        exact: Vec::new(),
+    };
+    if device.triangle_count == 0 || q.queries.is_empty() {
+        return Ok(answer);
+    }
+    let points = r.upload("query points", q.queries)?;
+    let n = q.queries.len();
+    let queries = Queries::sort(r, "query", &points, n, q.half)?;
+    let reach = q.half + f64::from(q.radius);
+    let by_vertex = nearest::nearest(r, &device, &queries, Target::Vertices, reach)?;
+    let vertex = nearest::normals(r, &device, &by_vertex, n)?;
+    let by_face = nearest::nearest(r, &device, &queries, Target::Faces, reach)?;
+    let face = nearest::normals(r, &device, &by_face, n)?;
+    let numbers: Vec<[f32; 4]> = r.fetch("nearest", &by_vertex.found, Vec::new)?;
+    answer.nearest_vertex = numbers.iter().map(|v| v[0].to_bits()).collect();
+    answer.vertex = r.fetch("vertex normals", &vertex, Vec::new)?;
+    answer.face = r.fetch("face normals", &face, Vec::new)?;
+    nearest::exact(r, (&field, q.tau), &device, &queries, &by_face, &face)?;
+    answer.exact = r.fetch("exact normals", &face, Vec::new)?;
+    Ok(answer)
+}
