@@ -123,7 +123,11 @@ mod tests {
 
     #[test]
     fn a_bake_survives_its_file() {
-        assert_eq!(from_bytes(&to_bytes(&sample())), Some(sample()), "same bake");
+        assert_eq!(
+            from_bytes(&to_bytes(&sample())),
+            Some(sample()),
+            "same bake"
+        );
         let none = Bake::default();
         assert_eq!(from_bytes(&to_bytes(&none)), Some(none), "empty bake");
     }

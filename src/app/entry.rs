@@ -45,6 +45,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn dispatch(context: &Context, command: &Command) -> Result<Report> {
     match command {
+        Command::Render(args) => command::render::run(context, args),
+        Command::Bake(args) => command::bake::run(context, args),
+        Command::Grow(args) => command::grow::run(context, args),
+        Command::Bench(args) => command::bench::run(context, args),
         Command::Conform(args) => command::conform::run(context, args),
         Command::Info(args) => command::info::run(context, args),
         Command::Settings(args) => command::settings::run(context, args),

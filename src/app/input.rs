@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::DAffine3;
 
 use super::console;
+use crate::scene::grow::{self, GrowOptions, Species};
 use crate::scene::import::{self, LoadOptions};
 use crate::scene::scene_file::{Plant, SceneFile};
 use crate::scene::{Model, Population};
@@ -21,6 +22,13 @@ pub enum Source {
     File(PathBuf),
     /// A scene file (TOML).
     Scene(PathBuf),
+    /// A species of the plant generator, with what differs from the defaults.
+    Grown {
+        /// Which plant.
+        species: Species,
+        /// Seed and number of leaves.
+        options: GrowOptions,
+    },
 }
 
 /// How a grown plant is written where a file is expected.
@@ -42,7 +50,20 @@ impl FromStr for Source {
                 Self::File(path)
             });
         };
-        Err(Error::usage(format!("{rest}: no such plant")))
+        let wrong = || Error::usage(format!("{text}: expected grow:SPECIES[:SEED[:LEAVES]]"));
+        let mut parts = rest.split(':');
+        let species = Species::parse(parts.next().unwrap_or_default())?;
+        let mut options = GrowOptions::default();
+        if let Some(seed) = parts.next() {
+            options.seed = seed.parse().map_err(|_| wrong())?;
+        }
+        if let Some(leaves) = parts.next() {
+            options.leaves = Some(leaves.parse().map_err(|_| wrong())?);
+        }
+        match parts.next() {
+            None => Ok(Self::Grown { species, options }),
+            Some(_) => Err(wrong()),
+        }
     }
 }
 
@@ -58,6 +79,10 @@ impl std::fmt::Display for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::File(path) | Self::Scene(path) => path.display().fmt(f),
+            Self::Grown { species, options } => {
+                write!(f, "{GROWN}{}:{}", species.name(), options.seed)?;
+                options.leaves.map_or(Ok(()), |n| write!(f, ":{n}"))
+            }
         }
     }
 }
@@ -95,6 +120,7 @@ impl Input {
         let _working = console::working(format!("reading {source}"));
         let model = match source {
             Source::File(path) => read(path, textures)?,
+            Source::Grown { species, options } => grow::grow(*species, options)?,
             Source::Scene(path) => return Self::load_scene(path, textures),
         };
         for warning in &model.warnings {
@@ -163,6 +189,15 @@ fn read(path: &Path, textures: &[(String, PathBuf)]) -> Result<Model> {
 }
 
 fn load_plant(plant: &Plant) -> Result<Model> {
+    if let Some(species) = &plant.grow {
+        let defaults = GrowOptions::default();
+        let options = GrowOptions {
+            seed: plant.seed.unwrap_or(defaults.seed),
+            leaves: plant.leaves,
+            ..defaults
+        };
+        return grow::grow(Species::parse(species)?, &options);
+    }
     let path = plant.model.as_deref().unwrap_or(Path::new(""));
     let textures = plant.textures.clone().into_iter().collect::<Vec<_>>();
     read(path, &textures)
@@ -202,6 +237,14 @@ mod tests {
             Source::Scene("wood.TOML".into()),
             "scene"
         );
+        let Ok(Source::Grown { species, options }) = parse("grow:shrub:7:300") else {
+            panic!("a grown plant");
+        };
+        assert_eq!(species, Species::Shrub, "species");
+        assert_eq!((options.seed, options.leaves), (7, Some(300)), "options");
+        for bad in ["grow:", "grow:cactus", "grow:shrub:x", "grow:shrub:1:2:3"] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

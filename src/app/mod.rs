@@ -1,5 +1,7 @@
 //! The program: arguments, commands, progress, files.
 
+pub mod bake;
+pub mod bake_file;
 pub mod cache;
 pub mod cli;
 pub mod command;
@@ -8,6 +10,7 @@ pub mod console;
 pub mod context;
 pub mod input;
 pub mod output;
+pub mod prepared;
 pub mod report;
 pub mod settings;
 pub mod timing;

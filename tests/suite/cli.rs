@@ -6,7 +6,9 @@ use crate::place::{Place, stdout};
 use crate::small_model::{SmallModel, small_tree};
 
 /// Every command of the program.
-const COMMANDS: &[&str] = &["info", "conform", "settings"];
+const COMMANDS: &[&str] = &[
+    "render", "bake", "grow", "info", "bench", "conform", "settings",
+];
 
 #[test]
 fn help_names_every_command_and_gives_examples() {
@@ -42,7 +44,152 @@ fn wrong_usage_is_one_line_and_exit_code_2() {
     place.assert_refused(&["conform", "--sizzle"], &["--sizzle"]);
     place.assert_refused(&["conform", "no.such.case"], &["no.such.case"]);
     place.assert_refused(&["settings", "no-such-setting"], &["no-such-setting"]);
+    place.assert_refused(&["bake", "tree.glb"], &["--output"]);
+    place.assert_refused(&["grow", "cactus", "-o", "x.glb"], &["cactus", "shrub"]);
+    place.assert_refused(&["grow", "shrub"], &["--output"]);
+    place.assert_refused(
+        &["grow", "shrub", "-o", "x.glb", "--leaves", "900000000"],
+        &["leaves", "900000000"],
+    );
+    place.assert_refused(&["render", "grow:cactus", "-o", "x.png"], &["cactus"]);
+    place.assert_refused(
+        &["render", "-o", "x.png", "--view", "sideways"],
+        &["sideways", "standard"],
+    );
     place.assert_refused(&["--device", "no such device", "info"], &["no such device"]);
+}
+
+#[test]
+fn settings_outside_their_range_are_refused_before_any_work() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    for (option, value, words) in [
+        ("--rho", "0", ["rho", "> 0"]),
+        ("--rho", "-0.1", ["rho", "> 0"]),
+        ("--rho-ambient", "nan", ["rho_ambient", "> 0"]),
+        ("--tau", "-1", ["tau", ">= 0"]),
+        ("--cells", "0", ["cells", "3"]),
+        ("--cells", "5000", ["cells", "1024"]),
+        ("--normals", "sideways", ["normals", "gradient"]),
+    ] {
+        place.assert_refused(&["bake", &tree, "-o", "out.glb", option, value], &words);
+    }
+    place.assert_refused(
+        &[
+            "bake",
+            &tree,
+            "-o",
+            "out.glb",
+            "--cells",
+            "1024",
+            "--memory",
+            "1",
+            "--normals",
+            "open",
+        ],
+        &["1 MiB"],
+    );
+    place.assert_refused(
+        &["render", &tree, "-o", "out.png", "--size", "0x600"],
+        &["size"],
+    );
+}
+
+#[test]
+fn files_that_are_no_models_are_refused() {
+    let place = Place::new();
+    place.assert_model_refused("text.glb", "this is a text", &["text.glb"]);
+    place.assert_model_refused("empty.glb", "", &["empty.glb"]);
+    place.assert_model_refused("text.gltf", "{ not json", &["text.gltf"]);
+    place.assert_model_refused("text.xyz", "?", &["xyz"]);
+    place.assert_refused(
+        &["bake", "none.glb", "-o", "out.glb"],
+        &["none.glb", "No such file"],
+    );
+    let whole = small_tree().glb();
+    for length in [4, 12, 19, 40, whole.len() / 2, whole.len() - 1] {
+        place.assert_model_refused("cut.glb", &whole[..length], &["cut.glb"]);
+    }
+}
+
+#[test]
+fn broken_models_are_refused_by_object() {
+    let place = Place::new();
+    let refused = |name: &str, words: &[&str], change: fn(&mut SmallModel)| {
+        place.assert_model_refused(name, small_tree().with(change).glb(), words);
+    };
+    refused(
+        "index.glb",
+        &["mesh 0 primitive 0", "index[3] is 99"],
+        |m| m.set_index(3, 99),
+    );
+    refused("nan.glb", &["POSITION", "NaN"], |m| {
+        m.set_position(2, 1, f32::NAN)
+    });
+    refused("inf.glb", &["POSITION", "inf"], |m| {
+        m.set_position(9, 0, f32::INFINITY)
+    });
+    refused("buffer.glb", &["gone.bin"], |m| {
+        m.json["buffers"] = json!([{ "uri": "gone.bin", "byteLength": 4096 }]);
+    });
+    refused("image.glb", &["gone.png"], |m| {
+        m.json["images"] = json!([{ "uri": "gone.png" }]);
+        m.json["textures"] = json!([{ "source": 0 }]);
+        m.json["materials"][0]["pbrMetallicRoughness"] =
+            json!({ "baseColorTexture": { "index": 0 } });
+    });
+    refused("extension.glb", &["EXT_nobody_knows"], |m| {
+        m.json["extensionsUsed"] = json!(["EXT_nobody_knows"]);
+        m.json["extensionsRequired"] = json!(["EXT_nobody_knows"]);
+    });
+    refused("accessor.glb", &["accessor"], |m| {
+        m.json["accessors"][0]["count"] = json!(100_000)
+    });
+    refused("bare.glb", &["Wood", "Bark", "--foliage"], |m| {
+        m.json["materials"][0] = json!({ "name": "Wood" });
+    });
+}
+
+#[test]
+fn scene_files_are_checked_by_line_and_plant() {
+    let place = Place::new();
+    place.write("tree.glb", small_tree().glb());
+    let refused = |text: &str, words: &[&str]| {
+        let scene = place.write("scene.toml", text);
+        let words = [&["scene.toml"], words].concat();
+        place.assert_refused(&["render", &scene, "-o", "out.png"], &words);
+    };
+    refused("plants = []", &["plants"]);
+    refused(
+        "[[plants]]\nmodel = 'tree.glb'\nyow = 3",
+        &["line 3", "yow"],
+    );
+    refused("[[plants]]\nmodel = 'none.glb'", &["plant 0", "none.glb"]);
+    refused(
+        "[[plants]]\nmodel = 'tree.glb'\nscale = -1",
+        &["plant 0", "scale"],
+    );
+}
+
+#[test]
+fn unwritable_outputs_are_told_before_the_work() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    place.write("folder/file", "");
+    for command in ["bake", "render"] {
+        for output in ["none/out.glb", "folder", "folder/file/out.glb"] {
+            place.assert_refused(&[command, &tree, "-o", output], &[output, "output"]);
+        }
+        // Told before the model is even looked for.
+        place.assert_refused(
+            &[command, "none.glb", "-o", "none/out.glb"],
+            &["none/out.glb"],
+        );
+    }
+    place.assert_refused(&["grow", "shrub", "-o", "none/out.glb"], &["none/out.glb"]);
+    // A scene goes into a folder, and a file stands in its way.
+    let scene = place.write("scene.toml", "[[plants]]\nmodel = 'tree.glb'");
+    place.assert_refused(&["bake", &scene, "-o", "folder/file"], &["folder/file"]);
 }
 
 #[test]

@@ -124,7 +124,7 @@ fn a_second_bake_is_found_and_a_damaged_one_is_not_trusted() {
 fn no_cache_leaves_no_trace() {
     let place = Place::new();
     place.json(&with(&["bake", SHRUB, "-o", "1.glb", "--no-cache"], &QUICK));
-    assert!(!place.path("cache").exists(), "no cache folder");
+    assert!(!place.path("cache/umbrage").exists(), "no cache folder");
 }
 
 #[test]

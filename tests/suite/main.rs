@@ -7,6 +7,8 @@
 
 mod architecture;
 mod cli;
+mod cli_work;
+mod dependencies;
 mod export;
 mod fixture;
 mod foliage_encode;

@@ -12,7 +12,8 @@ use crate::render::View;
 /// What a command works on.
 #[derive(Debug, Clone, Args)]
 pub struct InputArgs {
-    /// glTF, GLB or OBJ file, grow:SPECIES[:SEED[:LEAVES]], or a scene file (.toml)
+    /// glTF, GLB or OBJ file, grow:SPECIES:SEED:LEAVES (the last two may be left out), or
+    /// a scene file (.toml)
     #[arg(value_name = "MODEL|SCENE")]
     pub input: Source,
     /// Options of models.
@@ -23,7 +24,8 @@ pub struct InputArgs {
 /// The same, with the embedded plant where nothing is named.
 #[derive(Debug, Clone, Args)]
 pub struct DefaultInputArgs {
-    /// glTF, GLB or OBJ file, grow:SPECIES[:SEED[:LEAVES]], or a scene file (.toml)
+    /// glTF, GLB or OBJ file, grow:SPECIES:SEED:LEAVES (the last two may be left out), or
+    /// a scene file (.toml)
     #[arg(value_name = "MODEL|SCENE", default_value = EMBEDDED)]
     pub input: Source,
     /// Options of models.
@@ -53,7 +55,7 @@ fn material_file(text: &str) -> Result<(String, PathBuf), String> {
 /// Arguments of `render`.
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
-    /// glTF, GLB or OBJ files, grow:SPECIES[:SEED[:LEAVES]], or scene files (.toml); several make
+    /// glTF, GLB or OBJ files, grow:SPECIES:SEED:LEAVES, or scene files (.toml); several make
     /// a sheet with one row each
     #[arg(value_name = "MODEL|SCENE", default_value = EMBEDDED)]
     pub inputs: Vec<Source>,
@@ -135,27 +137,6 @@ Examples:
   umbrage bake beech.glb -o beech.baked.glb --foliage crown
   umbrage bake grow:lime -o lime.glb --back-faces duplicate
   umbrage bake wood.toml -o baked/        one field over all plants, one file per plant";
-}
-
-/// Arguments of `surface`.
-#[derive(Debug, Clone, Args)]
-pub struct SurfaceArgs {
-    /// Whose surface.
-    #[command(flatten)]
-    pub input: InputArgs,
-    /// Mesh to write (GLB)
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    /// Settings of the foliage.
-    #[command(flatten)]
-    pub settings: Chosen<FoliageTable>,
-}
-
-impl SurfaceArgs {
-    pub(super) const EXAMPLES: &str = "\
-Examples:
-  umbrage surface oak.glb -o shell.glb
-  umbrage surface oak.glb -o shell.glb --cells 48 --rho 0.15 --surface-error 0.5";
 }
 
 /// Arguments of `grow`.

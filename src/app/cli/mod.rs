@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand};
 
 pub use commands::{
     BakeArgs, BenchArgs, BenchWhat, ConformArgs, GrowArgs, InfoArgs, InputArgs, RenderArgs,
-    SettingsArgs, SurfaceArgs,
+    SettingsArgs,
 };
 pub use global::GlobalArgs;
 
@@ -40,9 +40,21 @@ Exit codes: 0 done, 1 a check failed, 2 wrong usage or input, 3 the device faile
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Draw a picture
+    #[command(after_help = RenderArgs::EXAMPLES)]
+    Render(Box<RenderArgs>),
+    /// Write the model with realigned normals and ambient coefficients
+    #[command(after_help = BakeArgs::EXAMPLES)]
+    Bake(Box<BakeArgs>),
+    /// Grow a plant and write it as a model
+    #[command(after_help = GrowArgs::EXAMPLES)]
+    Grow(GrowArgs),
     /// Tell what a model holds and what drawing it would need, or which devices there are
     #[command(after_help = InfoArgs::EXAMPLES)]
     Info(Box<InfoArgs>),
+    /// Time every pass
+    #[command(after_help = BenchArgs::EXAMPLES)]
+    Bench(Box<BenchArgs>),
     /// Check every kernel on the device against its CPU twin
     #[command(after_help = ConformArgs::EXAMPLES)]
     Conform(ConformArgs),

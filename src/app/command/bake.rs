@@ -21,8 +21,14 @@ use crate::{Error, Result};
 pub fn run(context: &Context, args: &BakeArgs) -> Result<Report> {
     let mut timings = Timings::default();
     // An unwritable file is told before the work; a scene's files are known after reading it.
-    let one_file = args.input.input.is_model().then(|| PendingFile::create(&args.output));
-    let one_file = one_file.transpose()?;
+    let one_file = if args.input.input.is_model() {
+        Some(PendingFile::create(&args.output)?)
+    } else if args.output.exists() && !args.output.is_dir() {
+        let reason = "output: is a file, and a scene is baked into a folder";
+        return Err(Error::file(&args.output, reason));
+    } else {
+        None
+    };
     let model = &args.input.model;
     let prepared = Prepared::new(
         &args.input.input,
@@ -51,7 +57,10 @@ pub fn run(context: &Context, args: &BakeArgs) -> Result<Report> {
 /// Reserves `FOLDER/NAME.glb` for every plant of the scene.
 fn files_of_plants(prepared: &Prepared, folder: &Path) -> Result<Vec<PendingFile>> {
     std::fs::create_dir_all(folder).map_err(|e| {
-        Error::file(folder, format!("output: a scene is baked into a folder: {e}"))
+        Error::file(
+            folder,
+            format!("output: a scene is baked into a folder: {e}"),
+        )
     })?;
     let plants = prepared.input.plants.iter();
     plants
@@ -120,7 +129,11 @@ fn report(
     let mut text: String = outputs
         .iter()
         .map(|(path, bytes)| {
-            format!("{}: {}\n", path.display(), crate::render::plan::human_bytes(*bytes as u64))
+            format!(
+                "{}: {}\n",
+                path.display(),
+                crate::render::plan::human_bytes(*bytes as u64)
+            )
         })
         .collect();
     text += &format!(

@@ -33,7 +33,13 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
         BenchWhat::Bake => bench_bake(context, args, &prepared, &mut stages)?,
         BenchWhat::Render => bench_render(context, args, &prepared, &mut stages)?,
     };
-    Ok(report(args, &prepared, &stages, &measured, context.gpu()?.info()))
+    Ok(report(
+        args,
+        &prepared,
+        &stages,
+        &measured,
+        context.gpu()?.info(),
+    ))
 }
 
 /// What the runs took.
@@ -63,7 +69,8 @@ impl Measured {
             self.passes.add(&pass.label, pass.queue, ms);
         }
         let device: u64 = sums.iter().map(|s| s.1).sum();
-        self.totals.add("all passes", "device", device as f64 * 1e-6);
+        self.totals
+            .add("all passes", "device", device as f64 * 1e-6);
         self.totals.add("wall", "cpu", wall_ms);
     }
 }
@@ -110,10 +117,15 @@ fn bench_render(
         bytes: plan.bytes(),
         ..Measured::default()
     };
-    let mut renderer = stages.measure("upload", || Renderer::new(gpu, &subject, &settings, plan))?;
+    let mut renderer =
+        stages.measure("upload", || Renderer::new(gpu, &subject, &settings, plan))?;
     let working = console::working("drawing");
     for run in 0..args.warm_up + args.runs {
-        working.step(&format!("frame {} of {}", run + 1, args.warm_up + args.runs));
+        working.step(&format!(
+            "frame {} of {}",
+            run + 1,
+            args.warm_up + args.runs
+        ));
         renderer.forget();
         let start = Instant::now();
         let rendered = renderer.render_view(args.view)?;
@@ -179,7 +191,11 @@ mod tests {
         };
         let mut measured = Measured::default();
         for _ in 0..3 {
-            let passes = [pass("scan", 1_000_000), pass("emit", 500_000), pass("scan", 2_000_000)];
+            let passes = [
+                pass("scan", 1_000_000),
+                pass("emit", 500_000),
+                pass("scan", 2_000_000),
+            ];
             measured.add(&passes, 9.0);
         }
         let json = measured.passes.json();
