@@ -37,7 +37,7 @@ pub fn bake(
         }
     }
     let working = console::working("baking");
-    let baked = Bake::compute(gpu, geometry, split, settings, &mut |label, _| {
+    let baked = Bake::compute(gpu, model, geometry, split, settings, &mut |label, _| {
         working.step(label);
     })?;
     if let Some(key) = key {

@@ -139,6 +139,27 @@ Examples:
   umbrage bake wood.toml -o baked/        one field over all plants, one file per plant";
 }
 
+/// Arguments of `surface`.
+#[derive(Debug, Clone, Args)]
+pub struct SurfaceArgs {
+    /// Whose surface.
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Mesh to write (GLB)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Settings of the foliage.
+    #[command(flatten)]
+    pub settings: Chosen<FoliageTable>,
+}
+
+impl SurfaceArgs {
+    pub(super) const EXAMPLES: &str = "\
+Examples:
+  umbrage surface oak.glb -o shell.glb
+  umbrage surface oak.glb -o shell.glb --cells 48 --rho 0.15 --surface-error 0.5";
+}
+
 /// Arguments of `grow`.
 #[derive(Debug, Clone, Args)]
 pub struct GrowArgs {

@@ -9,7 +9,7 @@ use clap::{Parser, Subcommand};
 
 pub use commands::{
     BakeArgs, BenchArgs, BenchWhat, ConformArgs, GrowArgs, InfoArgs, InputArgs, RenderArgs,
-    SettingsArgs,
+    SettingsArgs, SurfaceArgs,
 };
 pub use global::GlobalArgs;
 
@@ -46,6 +46,9 @@ pub enum Command {
     /// Write the model with realigned normals and ambient coefficients
     #[command(after_help = BakeArgs::EXAMPLES)]
     Bake(Box<BakeArgs>),
+    /// Write the implicit surface around the foliage as a mesh
+    #[command(after_help = SurfaceArgs::EXAMPLES)]
+    Surface(Box<SurfaceArgs>),
     /// Grow a plant and write it as a model
     #[command(after_help = GrowArgs::EXAMPLES)]
     Grow(GrowArgs),

@@ -89,7 +89,9 @@ fn bench_bake(
         working.step(&format!("bake {} of {}", run + 1, args.warm_up + args.runs));
         let start = Instant::now();
         let geometry = &prepared.geometry;
-        let baked = Bake::compute(gpu, geometry, &split, &prepared.settings, &mut |_, _| {})?;
+        let model = &prepared.input.model;
+        let settings = &prepared.settings;
+        let baked = Bake::compute(gpu, model, geometry, &split, settings, &mut |_, _| {})?;
         if run >= args.warm_up {
             measured.add(&baked.times, start.elapsed().as_secs_f64() * 1e3);
         }

@@ -7,3 +7,4 @@ pub mod grow;
 pub mod info;
 pub mod render;
 pub mod settings;
+pub mod surface;
