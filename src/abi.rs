@@ -187,6 +187,12 @@ abi! {
         CHANNEL_ALBEDO: u32 = 2;
         /// Light by eq. 1, and S.
         CHANNEL_SHADE: u32 = 3;
+        /// Places of the shadow filter on the model, four texels each.
+        SURFACE_TAPS: i32 = 4;
+        /// Places of the shadow filter on the ground.
+        GROUND_TAPS: i32 = 16;
+        /// The ground's filter is so much wider: it lies farther from its casters.
+        GROUND_SPREAD: f32 = 3.0;
         /// `RenderFrame::background`: a neutral gradient.
         BACKGROUND_NEUTRAL: u32 = 0;
         /// `RenderFrame::background`: a clear sky.

@@ -20,7 +20,7 @@ vec4 channel_value(uint channel, Surface s) {
     if (channel == CHANNEL_ALBEDO) {
         return vec4(s.albedo, 1.0);
     }
-    float sun = SHADOWED ? sun_visibility(in_position, s.steepness) : 1.0;
+    float sun = SHADOWED ? sun_visibility(in_position, s.steepness, 1.0, SURFACE_TAPS) : 1.0;
     vec3 light = illuminate(in_position, normalize(s.normal), s.albedo, s.ambient, sun,
                             material.specular, material.shininess, material.transmission);
     return vec4(light, sun);

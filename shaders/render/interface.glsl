@@ -22,27 +22,30 @@ float shadow_tap(vec2 at, float depth) {
     return mix(mix(lit.w, lit.z, t.x), mix(lit.x, lit.y, t.x), t.y);
 }
 
-// Four places on a rotated square around the centre; together with the bilinear weights they are
-// a disc without steps.
-const vec2 SHADOW_TAPS[4] =
-    vec2[4](vec2(0.38, 0.92), vec2(-0.92, 0.38), vec2(-0.38, -0.92), vec2(0.92, -0.38));
+// Places of the filter: a sunflower's spiral, evenly spread over the unit disc (Vogel 1979).
+vec2 sunflower(int i, int count) {
+    float radius = sqrt((float(i) + 0.5) / float(count));
+    float angle = float(i) * 2.39996323;
+    return radius * vec2(cos(angle), sin(angle));
+}
 
-// Share of the sun that reaches a point (S of eq. 1). The point first moves off its surface
-// towards the sun, farther the steeper the triangle stands in the light (`steepness` is the sine of
-// the angle of incidence on the geometric normal), so that no triangle shades itself within the
-// reach of the filter; half a texel is not enough to see daylight under a foot.
-float sun_visibility(vec3 position, float steepness) {
+// Share of the sun that reaches a point (S of eq. 1), filtered over a disc of `spread` times the
+// radius that is set. The point first moves off its surface towards the sun, farther the steeper
+// the triangle stands in the light (`steepness` is the sine of the angle of incidence on the
+// geometric normal), so that no triangle shades itself within the reach of the filter; a texel or
+// two is not enough to see daylight under a foot.
+float sun_visibility(vec3 position, float steepness, float spread, int taps) {
     float cosine = sqrt(max(1.0 - steepness * steepness, 0.01));
-    float way = frame.shadow_texel * (1.0 + frame.shadow_reach * min(steepness / cosine, 4.0));
+    float way = frame.shadow_texel * (1.0 + frame.shadow_reach * spread * min(steepness / cosine, 4.0));
     vec3 at = (frame.relative_to_sun * vec4(position + frame.sun_direction * way, 1.0)).xyz;
     vec2 centre = 0.5 + 0.5 * at.xy;
     // Behind the farthest caster the map is as deep as it can say.
     float depth = max(at.z, 0.0);
     float lit = 0.0;
-    for (int i = 0; i < 4; i++) {
-        lit += shadow_tap(centre + SHADOW_TAPS[i] * frame.shadow_radius, depth);
+    for (int i = 0; i < taps; i++) {
+        lit += shadow_tap(centre + sunflower(i, taps) * (frame.shadow_radius * spread), depth);
     }
-    return 0.25 * lit;
+    return lit / float(taps);
 }
 
 // Light of one punctual source at a point: direction to it and intensity there.

@@ -25,7 +25,7 @@ vec3 ground(vec3 position, vec3 behind) {
     float ambient = ground_ambient(frame.crown_centre - position, frame.crown_radius,
                                    frame.crown_opacity);
     float steepness = sqrt(max(1.0 - frame.sun_direction.y * frame.sun_direction.y, 0.0));
-    float sun = SHADOWED ? sun_visibility(position, steepness) : 1.0;
+    float sun = SHADOWED ? sun_visibility(position, steepness, GROUND_SPREAD, GROUND_TAPS) : 1.0;
     vec3 light = illuminate(position, up, frame.ground_albedo, ambient, sun, 0.0, 1.0, vec3(0.0));
     float away = distance(position.xz, frame.crown_centre.xz) / frame.ground_radius;
     return mix(light * frame.exposure, behind, smoothstep(FADE_START, 1.0, away));
@@ -37,7 +37,7 @@ vec3 shade_surface(Surface s, vec3 position) {
     if ((m.flags & MATERIAL_UNLIT) != 0u && TEXTURED) {
         return s.albedo;
     }
-    float sun = SHADOWED ? sun_visibility(position, s.steepness) : 1.0;
+    float sun = SHADOWED ? sun_visibility(position, s.steepness, 1.0, SURFACE_TAPS) : 1.0;
     vec3 light = illuminate(position, s.normal, s.albedo, s.ambient, sun, m.specular, m.shininess,
                             m.transmission);
     return (light + (TEXTURED ? m.emissive : vec3(0.0))) * frame.exposure;

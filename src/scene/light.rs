@@ -17,9 +17,9 @@ impl Default for Sun {
     /// A late-morning sun, high to the upper left of the automatic camera.
     fn default() -> Self {
         Self {
-            azimuth: -30.0,
-            elevation: 48.0,
-            color: [1.35, 1.24, 1.05],
+            azimuth: -28.0,
+            elevation: 50.0,
+            color: [2.05, 1.92, 1.66],
         }
     }
 }
@@ -44,8 +44,8 @@ pub struct Sky {
 impl Default for Sky {
     fn default() -> Self {
         Self {
-            zenith: [0.46, 0.54, 0.66],
-            ground: [0.24, 0.23, 0.19],
+            zenith: [0.68, 0.72, 0.77],
+            ground: [0.36, 0.35, 0.30],
         }
     }
 }
