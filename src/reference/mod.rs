@@ -7,4 +7,5 @@ pub mod encode;
 pub mod generators;
 pub mod marching_cubes;
 pub mod realign;
+pub mod shade;
 pub mod skylight;

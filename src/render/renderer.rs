@@ -101,6 +101,12 @@ impl Renderer {
         &self.plan
     }
 
+    /// Bytes of its buffers and images, as made: equal to [`Plan::bytes`].
+    #[must_use]
+    pub fn allocated_bytes(&self) -> u64 {
+        self.resources.bytes()
+    }
+
     /// The camera of its pictures.
     #[must_use]
     pub fn camera(&self) -> &Camera {

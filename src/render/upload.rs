@@ -64,6 +64,11 @@ impl Resources {
         self.images.iter().find(|i| i.info().name == label)
     }
 
+    pub(super) fn bytes(&self) -> u64 {
+        let images: u64 = self.images.iter().map(|i| i.info().bytes()).sum();
+        images + self.buffers.iter().map(Buffer::bytes).sum::<u64>()
+    }
+
     /// Makes and fills all of the plan.
     pub(super) fn new(
         gpu: &Gpu,

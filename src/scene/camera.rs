@@ -330,8 +330,10 @@ impl LightView {
         // The nearest and farthest casters keep away from the ends of the depth range.
         half.z *= 1.002;
         let rotation = view::look_to_mat4(DVec3::ZERO, -to_light, up);
-        let (lo, hi) = (centre - half, centre + half);
-        let projection = proj::vulkan::orthographic(lo.x, hi.x, lo.y, hi.y, -lo.z, -hi.z);
+        // Symmetric about the box's centre; near and far are exchanged, for reversed depth.
+        let to_centre = DMat4::from_translation(-centre);
+        let [x, y, z] = half.to_array();
+        let projection = proj::vulkan::orthographic(-x, x, -y, y, z, -z) * to_centre;
         Self {
             relative_to_clip: (projection * rotation).as_mat4(),
             extent: [(2.0 * half.x) as f32, (2.0 * half.y) as f32],

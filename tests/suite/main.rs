@@ -23,4 +23,6 @@ mod model_fixture;
 mod models;
 mod models_damage;
 mod place;
+mod render_frame;
+mod render_plan;
 mod small_model;

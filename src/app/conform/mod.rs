@@ -5,6 +5,7 @@
 
 mod foliage_surface;
 mod gpu;
+mod render;
 mod skylight;
 
 use crate::Result;
@@ -44,5 +45,6 @@ pub fn cases() -> Vec<Case> {
     let mut cases = gpu::cases();
     cases.extend(foliage_surface::cases());
     cases.extend(skylight::cases());
+    cases.extend(render::cases());
     cases
 }
