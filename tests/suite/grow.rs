@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use umbrage::scene::grow::{
-    self, GrowOptions, LeafShape, MAX_LEAVES, Parameters, Skeleton, Species, skeleton,
+    self, GrowOptions, LeafShape, MAX_LEAVES, Parameters, Skeleton, Species, Stem, skeleton,
 };
 use umbrage::scene::{Botany, ImageSource, Model, Primitive};
 
@@ -218,7 +218,7 @@ fn stems_hang_together_and_taper() {
     }
 }
 
-fn distance_to_axis(stem: &umbrage::scene::grow::Stem, q: glam::DVec3) -> f64 {
+fn distance_to_axis(stem: &Stem, q: glam::DVec3) -> f64 {
     stem.points
         .windows(2)
         .map(|s| {

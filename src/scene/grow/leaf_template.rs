@@ -41,10 +41,11 @@ const OVATE: [Row; 3] = [
     row(0.77, 0.74, 0.20),
 ];
 const OVATE_COARSE: [Row; 2] = [row(0.24, 0.20, 0.27), row(0.66, 0.62, 0.27)];
-const CORDATE: [Row; 3] = [
-    row(0.10, -0.09, 0.27),
-    row(0.34, 0.28, 0.44),
-    row(0.70, 0.63, 0.26),
+const CORDATE: [Row; 4] = [
+    row(0.07, -0.10, 0.21),
+    row(0.22, 0.07, 0.41),
+    row(0.47, 0.38, 0.40),
+    row(0.76, 0.70, 0.21),
 ];
 const CORDATE_COARSE: [Row; 2] = [row(0.18, -0.06, 0.33), row(0.54, 0.46, 0.40)];
 const ELLIPTIC: [Row; 3] = [

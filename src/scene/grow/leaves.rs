@@ -88,17 +88,15 @@ pub(super) fn share_out(skeleton: &Skeleton, p: &Parameters, wanted: u32) -> Sha
     }
 }
 
-/// Keeps as many last-order twigs as the leaves need, evenly; all of them in winter. Returns the
+/// Keeps as many last-order twigs as the leaves need, evenly. Returns the
 /// stems that stay and the share of twigs that do.
 fn thin_twigs(stems: &[Stem], p: &Parameters, wanted: u32) -> (Vec<bool>, f64) {
     let is_twig = |stem: &Stem| stem.order + 1 == p.levels;
     let twigs = stems.iter().filter(|s| is_twig(s)).count();
+    // In winter the twigs of the natural density stay.
+    let wanted = if wanted == 0 { p.leaf.count } else { wanted };
     let needed = f64::from(wanted) / (p.leaf.per_twig * twigs.max(1) as f64);
-    let share = if wanted == 0 {
-        1.0
-    } else {
-        needed.clamp(0.06, 1.0)
-    };
+    let share = needed.clamp(0.06, 1.0);
     let mut seen = 0.0f64;
     let keep = stems
         .iter()
