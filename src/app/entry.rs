@@ -7,7 +7,7 @@ use clap::Parser as _;
 use clap::error::ErrorKind;
 
 use super::cli::{Cli, Command};
-use super::{Context, Report, command, console, output};
+use super::{Context, Report, command, console, output, tradeoff};
 use crate::Result;
 
 /// Exit code of a usage error, the same as that of wrong input.
@@ -53,6 +53,7 @@ fn dispatch(context: &Context, command: &Command) -> Result<Report> {
         Command::Conform(args) => command::conform::run(context, args),
         Command::Info(args) => command::info::run(context, args),
         Command::Settings(args) => command::settings::run(context, args),
+        Command::Tradeoff(args) => tradeoff::run(context, args),
     }
 }
 

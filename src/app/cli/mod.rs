@@ -13,6 +13,8 @@ pub use commands::{
 };
 pub use global::GlobalArgs;
 
+use super::tradeoff::TradeoffArgs;
+
 /// Bakes, lights and draws foliage with Vulkan.
 #[derive(Debug, Parser)]
 #[command(version, about, long_about = None, after_help = EXAMPLES, max_term_width = 100)]
@@ -64,6 +66,9 @@ pub enum Command {
     /// List every setting with unit, range, default and what it trades
     #[command(after_help = SettingsArgs::EXAMPLES)]
     Settings(SettingsArgs),
+    /// Measure what every approximation of the foliage bake costs and how far it is from the truth
+    #[command(after_help = TradeoffArgs::EXAMPLES)]
+    Tradeoff(TradeoffArgs),
 }
 
 #[cfg(test)]
