@@ -67,6 +67,9 @@ pub struct Sweep<'a> {
 
 const MIB: f64 = 1024.0 * 1024.0;
 
+/// Passes with a smaller share of the time are added up.
+const SMALL_PASS: f64 = 0.02;
+
 impl<'a> Sweep<'a> {
     /// A sweep over `model`.
     #[must_use]
@@ -456,13 +459,24 @@ impl<'a> Sweep<'a> {
                 normals,
                 ..Settings::default()
             })?;
-            for (label, ms) in by_label(&baked) {
-                self.add(
-                    Topic::Stages,
-                    &format!("{name}: {label}"),
-                    &[("milliseconds", ms)],
-                );
+            let passes = by_label(&baked);
+            let total: f64 = passes.iter().map(|p| p.1).sum();
+            let mut others = 0.0;
+            for (label, ms) in passes {
+                if ms < SMALL_PASS * total {
+                    others += ms;
+                } else {
+                    let variant = format!("{name}: {label}");
+                    self.add(Topic::Stages, &variant, &[("milliseconds", ms)]);
+                }
             }
+            let variant = format!("{name}: passes below 2 %");
+            self.add(Topic::Stages, &variant, &[("milliseconds", others)]);
+            self.add(
+                Topic::Stages,
+                &format!("{name}: all"),
+                &[("milliseconds", total)],
+            );
         }
         Ok(())
     }
