@@ -160,11 +160,17 @@ impl NodeGrid {
             )));
         }
         let extent = 2.0 * half + 2.0 * radius;
-        let cell = extent.max_element() / f64::from(cells - 2);
+        let coarse = extent.max_element() / f64::from(cells - 2);
+        // A cell of 12 significant bits, and an origin in its units: positions of nodes are exact
+        // in f32.
+        let quantum = (coarse.log2().floor() - 11.0).exp2();
+        let cell = (coarse / quantum).ceil() * quantum;
         // The small allowance keeps the longest side at exactly `cells` despite rounding.
         let counts = (extent / cell - 1e-9).ceil() + 2.0;
         let grid = Self {
-            origin: (-0.5 * cell * counts).as_vec3().to_array(),
+            origin: ((-0.5 * cell * counts / quantum).floor() * quantum)
+                .as_vec3()
+                .to_array(),
             cell: cell as f32,
             nodes: counts.to_array().map(|c| c as u32 + 1),
         };

@@ -11,6 +11,7 @@ mod implicit;
 mod nearest;
 mod openness;
 pub mod probe;
+pub mod probe_field;
 mod realign;
 mod recorder;
 pub mod settings;

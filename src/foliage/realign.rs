@@ -32,12 +32,7 @@ pub(super) fn directions(
         radius: 2.0 * s.rho,
         ..near
     };
-    let steps = Steps {
-        foliage,
-        found: r.array::<[f32; 4]>("directions", foliage.numbers.len())?,
-        counters: r.array::<u32>("missing directions", 1)?,
-        radius: s.rho,
-    };
+    let steps = Steps::new(r, foliage.numbers.len(), s.rho)?;
     match s.normals {
         NormalsMode::Gradient => {
             let near = near.at_queries(r, "field at foliage", &foliage.queries, true)?;
@@ -59,17 +54,31 @@ pub(super) fn directions(
 }
 
 /// The passes that turn gradients into directions.
-struct Steps<'a> {
-    foliage: &'a Vertices<'a>,
-    found: Store,
+pub(super) struct Steps {
+    count: usize,
+    pub(super) found: Store,
     counters: Store,
     radius: f32,
 }
 
-impl Steps<'_> {
+impl Steps {
+    pub(super) fn new(r: &mut Recorder<'_>, count: usize, radius: f32) -> Result<Self> {
+        Ok(Self {
+            count,
+            found: r.array::<[f32; 4]>("directions", count)?,
+            counters: r.array::<u32>("missing directions", 1)?,
+            radius,
+        })
+    }
+
     /// Runs `directions.comp` in one of its modes; returns how many directions are missing.
-    fn run(&self, r: &mut Recorder<'_>, mode: u32, near: &Store, wide: &Store) -> Result<usize> {
-        let count = self.foliage.numbers.len();
+    pub(super) fn run(
+        &self,
+        r: &mut Recorder<'_>,
+        mode: u32,
+        near: &Store,
+        wide: &Store,
+    ) -> Result<usize> {
         r.fill("clear missing", &self.counters, 0)?;
         r.compute(
             "directions",
@@ -84,11 +93,11 @@ impl Steps<'_> {
                 Use::ReadWrite(&self.counters),
             ],
             &abi::GradientDirections {
-                count: count as u32,
+                count: self.count as u32,
                 radius: self.radius,
                 wide_radius: 2.0 * self.radius,
             },
-            count,
+            self.count,
         )?;
         Ok(r.fetch::<u32>("missing directions", &self.counters, || vec![0])?[0] as usize)
     }
@@ -101,13 +110,23 @@ pub(super) fn normals(
     foliage: &Vertices<'_>,
     found: &Store,
 ) -> Result<Store> {
-    let count = foliage.numbers.len();
     let own: Vec<[f32; 3]> = foliage
         .numbers
         .iter()
         .map(|&v| scene.geometry.normals[v as usize].to_array())
         .collect();
-    let own = r.upload("own normals", &own)?;
+    blend(r, &own, found, scene.settings.blend)
+}
+
+/// N' = normalize((1-b) N + b N_s) on the device.
+pub(super) fn blend(
+    r: &mut Recorder<'_>,
+    own: &[[f32; 3]],
+    found: &Store,
+    blend: f32,
+) -> Result<Store> {
+    let count = own.len();
+    let own = r.upload("own normals", own)?;
     let normals = r.array::<[f32; 3]>("realigned normals", count)?;
     r.compute(
         "realign",
@@ -115,7 +134,7 @@ pub(super) fn normals(
         &[Use::Read(found), Use::Read(&own), Use::Write(&normals)],
         &abi::Realign {
             count: count as u32,
-            blend: scene.settings.blend,
+            blend,
         },
         count,
     )?;

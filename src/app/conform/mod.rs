@@ -3,6 +3,7 @@
 //! A case lives in one file per room (`gpu`, `foliage`, `render`); the test suite runs the same
 //! cases, so `umbrage conform` and the tests cannot drift apart.
 
+mod foliage;
 mod foliage_surface;
 mod gpu;
 mod render;
@@ -43,6 +44,7 @@ impl Outcome {
 #[must_use]
 pub fn cases() -> Vec<Case> {
     let mut cases = gpu::cases();
+    cases.extend(foliage::cases());
     cases.extend(foliage_surface::cases());
     cases.extend(skylight::cases());
     cases.extend(render::cases());

@@ -1,0 +1,213 @@
+//! Single kernels on given inputs, for the comparison with their twins. Everything is in
+//! normalised coordinates, as inside a bake.
+
+use glam::{DVec3, Vec3};
+
+use super::ambient;
+use super::bake::{Bake, Stats};
+use super::bins::BinGrid;
+use super::field::{Field, NodeGrid, Queries};
+use super::generators::{self, Generators, SortedGenerators};
+use super::realign;
+use super::recorder::{Recorder, Store};
+use super::settings::{Encoding, Norm, Primitive};
+use super::split::Leaves;
+use super::stages;
+use crate::Result;
+use crate::abi;
+use crate::gpu::Gpu;
+
+/// A field made of given generators.
+#[derive(Debug, Clone, Copy)]
+pub struct FieldInput<'a> {
+    /// Position and weight.
+    pub generators: &'a [[f32; 4]],
+    /// Radius of influence.
+    pub radius: f32,
+    /// Norm of equation 2.
+    pub norm: Norm,
+    /// Half the extent of a box about zero that holds the generators.
+    pub half: DVec3,
+}
+
+/// Runs `make` on a recorder and returns the `count` elements of the store that it leaves.
+fn run<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    count: usize,
+    make: impl FnOnce(&mut Recorder<'_>) -> Result<Store>,
+) -> Result<Vec<T>> {
+    let mut silent = |_: &str, _: f32| {};
+    let mut r = Recorder::new(Some(gpu), &mut silent);
+    let store = make(&mut r)?;
+    let mut out = r.fetch("probe", &store, Vec::new)?;
+    out.truncate(count);
+    Ok(out)
+}
+
+impl FieldInput<'_> {
+    fn sort(&self, r: &mut Recorder<'_>) -> Result<SortedGenerators> {
+        let count = self.generators.len();
+        let all = Generators {
+            count,
+            centres: r.upload("centres", self.generators)?,
+            areas: r.upload("areas", &vec![0.0f32; count])?,
+        };
+        let grid = BinGrid::for_generators(self.half, count, &[self.radius]);
+        let binned = all.bin(r, grid)?;
+        all.texels(r, &binned, 0.0)
+    }
+
+    fn with<'a>(&self, generators: &'a SortedGenerators) -> Field<'a> {
+        Field {
+            generators,
+            radius: self.radius,
+            norm: self.norm,
+        }
+    }
+
+    /// Density at every node of `grid`, x fastest.
+    ///
+    /// # Errors
+    /// A failing device.
+    pub fn on_grid(&self, gpu: &Gpu, grid: &NodeGrid) -> Result<Vec<f32>> {
+        run(gpu, grid.node_count(), |r| {
+            let sorted = self.sort(r)?;
+            self.with(&sorted).on_grid(r, "density grid", grid)
+        })
+    }
+
+    /// Density and gradient at every point.
+    ///
+    /// # Errors
+    /// A failing device.
+    pub fn at(&self, gpu: &Gpu, points: &[[f32; 4]]) -> Result<Vec<[f32; 4]>> {
+        run(gpu, points.len(), |r| {
+            let sorted = self.sort(r)?;
+            let queries = self.queries(r, points)?;
+            self.with(&sorted).at_queries(r, "field", &queries, true)
+        })
+    }
+
+    /// Density alone at every point.
+    ///
+    /// # Errors
+    /// A failing device.
+    pub fn density_at(&self, gpu: &Gpu, points: &[[f32; 4]]) -> Result<Vec<f32>> {
+        run(gpu, points.len(), |r| {
+            let sorted = self.sort(r)?;
+            let queries = self.queries(r, points)?;
+            self.with(&sorted).at_queries(r, "field", &queries, false)
+        })
+    }
+
+    fn queries(&self, r: &mut Recorder<'_>, points: &[[f32; 4]]) -> Result<Queries> {
+        let store = r.upload("points", points)?;
+        Queries::sort(r, "probe", &store, points.len(), self.half)
+    }
+}
+
+/// Centres (three floats, then the weight 1) of the leaves of a mesh.
+///
+/// # Errors
+/// A failing device.
+pub fn generators(
+    gpu: &Gpu,
+    positions: &[Vec3],
+    indices: &[u32],
+    primitive: Primitive,
+) -> Result<Vec<[f32; 4]>> {
+    let leaves = Leaves::new(positions, indices, primitive);
+    run(gpu, leaves.len(), |r| {
+        Ok(mesh_generators(r, positions, indices, &leaves)?.centres)
+    })
+}
+
+/// One-sided areas of the leaves of a mesh.
+///
+/// # Errors
+/// A failing device.
+pub fn areas(
+    gpu: &Gpu,
+    positions: &[Vec3],
+    indices: &[u32],
+    primitive: Primitive,
+) -> Result<Vec<f32>> {
+    let leaves = Leaves::new(positions, indices, primitive);
+    run(gpu, leaves.len(), |r| {
+        Ok(mesh_generators(r, positions, indices, &leaves)?.areas)
+    })
+}
+
+fn mesh_generators(
+    r: &mut Recorder<'_>,
+    positions: &[Vec3],
+    indices: &[u32],
+    leaves: &Leaves,
+) -> Result<Generators> {
+    let points: Vec<[f32; 4]> = positions.iter().map(|p| p.extend(0.0).to_array()).collect();
+    let points = r.upload("points", &points)?;
+    generators::generators(r, &points, indices, leaves)
+}
+
+/// Equation 4 of every density.
+///
+/// # Errors
+/// A failing device.
+pub fn transfer(gpu: &Gpu, density: &[f32], push: abi::AmbientTransfer) -> Result<Vec<f32>> {
+    run(gpu, density.len(), |r| {
+        let store = r.upload("density", density)?;
+        ambient::apply(r, "probe", &store, density.len(), push)
+    })
+}
+
+/// Directions of two gradients (density first) in a mode of `directions.comp`.
+///
+/// # Errors
+/// A failing device.
+pub fn directions(
+    gpu: &Gpu,
+    mode: u32,
+    near: &[[f32; 4]],
+    wide: &[[f32; 4]],
+    radius: f32,
+) -> Result<Vec<[f32; 4]>> {
+    run(gpu, near.len(), |r| {
+        let near_store = r.upload("near", near)?;
+        let wide_store = r.upload("wide", wide)?;
+        let steps = realign::Steps::new(r, near.len(), radius)?;
+        steps.run(r, mode, &near_store, &wide_store)?;
+        Ok(steps.found)
+    })
+}
+
+/// Normals blended with directions.
+///
+/// # Errors
+/// A failing device.
+pub fn blend(gpu: &Gpu, own: &[[f32; 3]], found: &[[f32; 4]], blend: f32) -> Result<Vec<[f32; 3]>> {
+    run(gpu, own.len(), |r| {
+        let found = r.upload("found", found)?;
+        realign::blend(r, own, &found, blend)
+    })
+}
+
+/// Words of `encode.comp`.
+///
+/// # Errors
+/// A failing device.
+pub fn encode(
+    gpu: &Gpu,
+    encoding: Encoding,
+    normals: &[Vec3],
+    ambient: &[f32],
+) -> Result<Vec<u32>> {
+    let mut silent = |_: &str, _: f32| {};
+    let mut r = Recorder::new(Some(gpu), &mut silent);
+    let bake = Bake {
+        normals: normals.to_vec(),
+        ambient: ambient.to_vec(),
+        stats: Stats::default(),
+        ..Bake::default()
+    };
+    stages::encode(&mut r, encoding, &bake)
+}
