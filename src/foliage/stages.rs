@@ -65,6 +65,7 @@ pub(super) struct Vertices<'a> {
     /// Their numbers in the geometry.
     pub(super) numbers: &'a [u32],
     /// Normalised positions, four floats each, in the order of `numbers`.
+    pub(super) points: Store,
     /// The same, sorted.
     pub(super) queries: Queries,
 }
