@@ -8,7 +8,7 @@ use super::nearest::{self, Target};
 use super::recorder::{Recorder, Store};
 use super::settings::{NormalsMode, Threshold};
 use super::stages::{Scene, Sources, Vertices};
-use super::surface::{self, DeviceSurface, Surface};
+use super::surface::{self, DensityGrid, DeviceSurface, Surface};
 use crate::abi;
 use crate::gpu::shaders::foliage as shaders;
 use crate::{Error, Result};
@@ -141,4 +141,23 @@ pub(super) fn mesh(
         *p = scene.frame.restore(*p);
     }
     Ok(mesh)
+}
+
+/// Density at the nodes of the surface's grid, in metres, relative to the geometry's origin.
+pub(super) fn density(
+    r: &mut Recorder<'_>,
+    scene: &Scene<'_>,
+    sources: &Sources,
+) -> Result<DensityGrid> {
+    let s = scene.settings;
+    let grid = NodeGrid::around(scene.frame.half, f64::from(s.rho), s.cells, s.memory)?;
+    let on_device = field(scene, sources).on_grid(r, "density grid", &grid)?;
+    let mut values = r.fetch::<f32>("density grid", &on_device, || vec![0.0])?;
+    values.truncate(grid.node_count());
+    Ok(DensityGrid {
+        min: scene.frame.restore(grid.origin.into()),
+        cell: (f64::from(grid.cell) * scene.frame.diagonal) as f32,
+        nodes: grid.nodes.map(|n| n as usize),
+        values,
+    })
 }

@@ -31,5 +31,5 @@ pub use settings::{
     SurfaceNormals, Threshold,
 };
 pub use split::Split;
-pub use surface::{Surface, Surfaced};
+pub use surface::{DensityGrid, Surface, Surfaced};
 pub use table::{SETTINGS, SettingInfo};

@@ -15,7 +15,7 @@ use super::recorder::{Kernel, Recorder, Store, Use};
 use super::settings::{AmbientMode, Encoding, NormalsMode, Settings};
 use super::split::{Leaves, Split};
 use super::subset;
-use super::surface::Surface;
+use super::surface::{DensityGrid, Surface};
 use super::traced::{Occluders, Rays, Weighting};
 use crate::Result;
 use crate::abi;
@@ -160,13 +160,14 @@ pub(super) fn bake(
     Ok(bake)
 }
 
-/// The implicit surface alone, with its stats.
+/// The implicit surface alone, with its stats and, if wanted, the grid it was found on.
 pub(super) fn surface(
     r: &mut Recorder<'_>,
     geometry: &Geometry,
     split: &Split,
     settings: &Settings,
-) -> Result<(Surface, Stats)> {
+    with_density: bool,
+) -> Result<(Surface, Stats, Option<DensityGrid>)> {
     // The settings of a bake that realigns by the surface and computes no ambient coefficient.
     let settings = Settings {
         normals: NormalsMode::Vertex,
@@ -192,8 +193,13 @@ pub(super) fn surface(
     };
     r.report("surface", 0.3);
     let mesh = implicit::mesh(r, &scene, &sources, &foliage, &mut stats)?;
+    let density = if with_density {
+        Some(implicit::density(r, &scene, &sources)?)
+    } else {
+        None
+    };
     r.report("done", 1.0);
-    Ok((mesh, stats))
+    Ok((mesh, stats, density))
 }
 
 fn device_stages(

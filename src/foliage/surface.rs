@@ -27,6 +27,19 @@ pub struct Surface {
     pub indices: Vec<u32>,
 }
 
+/// Density `F + tau` at the nodes of a grid.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DensityGrid {
+    /// Node (0,0,0), metres relative to the geometry's origin.
+    pub min: Vec3,
+    /// Edge of a cell, metres.
+    pub cell: f32,
+    /// Nodes along x, y, z.
+    pub nodes: [usize; 3],
+    /// Values, x fastest.
+    pub values: Vec<f32>,
+}
+
 /// A surface with what it ran.
 #[derive(Debug, Clone)]
 pub struct Surfaced {
@@ -34,6 +47,8 @@ pub struct Surfaced {
     pub surface: Surface,
     /// What was found on the way.
     pub stats: Stats,
+    /// The grid it was found on, where [`Surface::compute_with_density`] was asked.
+    pub density: Option<DensityGrid>,
     /// Device time of every pass, in order.
     pub times: Vec<PassTime>,
 }
@@ -50,11 +65,37 @@ impl Surface {
         settings: &Settings,
         progress: Progress<'_>,
     ) -> Result<Surfaced> {
+        Self::extract(gpu, geometry, split, settings, (progress, false))
+    }
+
+    /// As [`Surface::compute`], with the density grid read back, for looking at it.
+    ///
+    /// # Errors
+    /// As [`Surface::compute`].
+    pub fn compute_with_density(
+        gpu: &Gpu,
+        geometry: &Geometry,
+        split: &Split,
+        settings: &Settings,
+        progress: Progress<'_>,
+    ) -> Result<Surfaced> {
+        Self::extract(gpu, geometry, split, settings, (progress, true))
+    }
+
+    fn extract(
+        gpu: &Gpu,
+        geometry: &Geometry,
+        split: &Split,
+        settings: &Settings,
+        (progress, with_density): (Progress<'_>, bool),
+    ) -> Result<Surfaced> {
         let mut r = Recorder::new(Some(gpu), progress);
-        let (surface, stats) = stages::surface(&mut r, geometry, split, settings)?;
+        let (surface, stats, density) =
+            stages::surface(&mut r, geometry, split, settings, with_density)?;
         Ok(Surfaced {
             surface,
             stats,
+            density,
             times: r.times,
         })
     }

@@ -85,7 +85,7 @@ fn settings_outside_their_range_are_refused_before_any_work() {
             "--memory",
             "1",
             "--normals",
-            "open",
+            "vertex",
         ],
         &["1 MiB"],
     );

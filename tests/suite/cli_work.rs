@@ -218,7 +218,22 @@ fn every_view_can_be_drawn() {
         views,
     ];
     place.json(&with(&arguments, &QUICK));
-    assert!(place.path("v.png").exists(), "the sheet is written");
+    let sheet = image::open(place.path("v.png")).unwrap().to_rgb8();
+    let count = u32::try_from(views.split(',').count()).unwrap();
+    let gap = (sheet.width() - count * 48) / (count + 1);
+    let cells: BTreeSet<Vec<u8>> = (0..count)
+        .map(|i| {
+            let x = gap + i * (48 + gap);
+            image::imageops::crop_imm(&sheet, x, gap, 48, 48)
+                .to_image()
+                .into_raw()
+        })
+        .collect();
+    assert_eq!(
+        cells.len(),
+        count as usize,
+        "no two views are the same picture"
+    );
 }
 
 #[test]

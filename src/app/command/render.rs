@@ -12,8 +12,8 @@ use crate::app::prepared::Prepared;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
-use crate::foliage::bake::Bake;
-use crate::render::{self, Baked, Picture, Plan, Renderer, Subject, View};
+use crate::foliage::{Bake, Surface, Surfaced};
+use crate::render::{self, Baked, FieldGrid, Picture, Plan, Renderer, Subject, SurfaceMesh, View};
 
 /// Draws the picture.
 ///
@@ -74,7 +74,11 @@ fn draw(
     } else {
         None
     };
-    let subject = subject(&prepared, baked.as_ref());
+    let found = field(context, &prepared, views, timings)?;
+    let mut subject = subject(&prepared, baked.as_ref());
+    if let Some(found) = &found {
+        show_field(&mut subject, found);
+    }
     let plan = Plan::new(&subject, &settings, views)?;
     let device_bytes = plan.bytes();
     let gpu = context.gpu()?;
@@ -92,6 +96,48 @@ fn draw(
         pictures,
         device_bytes,
     })
+}
+
+/// The surface and its grid, where a view shows them.
+fn field(
+    context: &Context,
+    prepared: &Prepared,
+    views: &[View],
+    timings: &mut Timings,
+) -> Result<Option<Surfaced>> {
+    let wants = |test: fn(View) -> bool| views.iter().any(|&v| test(v));
+    if !wants(View::needs_field) && !wants(View::needs_surface) {
+        return Ok(None);
+    }
+    let gpu = context.gpu()?;
+    let split = prepared.split()?;
+    let (geometry, settings) = (&prepared.geometry, &prepared.settings);
+    let find = if wants(View::needs_field) {
+        Surface::compute_with_density
+    } else {
+        Surface::compute
+    };
+    let found = timings.measure("surface", || {
+        find(gpu, geometry, &split, settings, &mut |_, _| {})
+    })?;
+    timings.add_passes(&found.times);
+    Ok(Some(found))
+}
+
+fn show_field<'a>(subject: &mut Subject<'a>, found: &'a Surfaced) {
+    let surface = &found.surface;
+    subject.surface = Some(SurfaceMesh {
+        positions: &surface.positions,
+        normals: &surface.normals,
+        indices: &surface.indices,
+    });
+    subject.field = found.density.as_ref().map(|grid| FieldGrid {
+        min: grid.min,
+        cell: grid.cell,
+        nodes: grid.nodes,
+        values: &grid.values,
+        tau: found.stats.tau,
+    });
 }
 
 /// What the renderer is given: the model and, if there is one, its bake.
