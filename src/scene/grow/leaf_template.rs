@@ -126,7 +126,7 @@ fn blade(shape: LeafShape, scale_x: f64, coarse: bool, t: f64, u: f64) -> Templa
 /// Needles along a piece of shoot: left, right and above it, swept towards its tip, all hanging
 /// together along the shoot so that the spray is one connected leaf.
 fn spray(leaf: &LeafParameters, coarse: bool, t: f64, u: f64) -> Template {
-    let pairs = if coarse { 4 } else { 7 };
+    let pairs = if coarse { 5 } else { 7 };
     let mut m = Template::empty();
     let n = 2 * pairs;
     let axis: Vec<u16> = (0..=n)

@@ -6,14 +6,15 @@ use glam::DVec3;
 
 use super::leaf_template::{Template, VARIANTS, templates};
 use super::light::Light;
-use super::parameters::{LeafParameters, Parameters};
+use super::parameters::{LeafParameters, LeafShape, Parameters};
 use super::portable::{sin_cos_degrees, smoothstep};
 use super::random::Random;
 use super::stem::{Skeleton, Stem};
 use crate::scene::{Botany, Leaf, Primitive};
 
-/// Above this many leaves the coarse leaf mesh is used.
+/// Above this many leaves the coarse leaf mesh is used; sprays have twice a leaf's vertices.
 const COARSE_ABOVE: u32 = 120_000;
+const COARSE_SPRAY_ABOVE: u32 = 20_000;
 
 /// Longest leaf over the plant's height, for plants of very few leaves.
 const LONGEST: f64 = 0.1;
@@ -132,7 +133,11 @@ pub(super) fn mesh(
     material: usize,
 ) -> Primitive {
     let wanted: u32 = shares.counts.iter().sum();
-    let shapes = templates(&p.leaf, wanted > COARSE_ABOVE);
+    let fine_limit = match p.leaf.shape {
+        LeafShape::NeedleSpray => COARSE_SPRAY_ABOVE,
+        _ => COARSE_ABOVE,
+    };
+    let shapes = templates(&p.leaf, wanted > fine_limit);
     let mut out = Primitive {
         material,
         ..Primitive::default()

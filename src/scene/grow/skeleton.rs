@@ -117,7 +117,8 @@ impl Grower<'_> {
     fn grow(&mut self, sprout: Sprout) {
         let mut trace = self.trace(&sprout);
         let mut sprout = sprout;
-        if sprout.order > 0 && !sprout.is_fork {
+        // the envelope belongs to the leader of a tree: it bounds everything else
+        if sprout.order > 0 || sprout.is_fork || self.p.trunks > 1 {
             let wanted = sprout.length;
             for _ in 0..16 {
                 if self.inside(&trace) {

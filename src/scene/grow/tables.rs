@@ -31,8 +31,8 @@ pub(super) const BROADLEAF: Parameters = Parameters {
             split_angle: 38.0,
             split_angle_v: 8.0,
             curve_res: 16,
-            curve_v: 60.0,
-            attraction_up: 35.0,
+            curve_v: 50.0,
+            attraction_up: 60.0,
             ..Level::PLAIN
         },
         Level {
@@ -258,9 +258,9 @@ pub(super) const CONIFER: Parameters = Parameters {
         Level::PLAIN,
     ],
     leaf: LeafParameters {
-        count: 60_000,
+        count: 40_000,
         shape: LeafShape::NeedleSpray,
-        scale: 0.19,
+        scale: 0.23,
         scale_x: 1.15,
         bend: 0.6,
         droop: 0.1,
