@@ -1,7 +1,7 @@
 //! Unit vectors and coefficients in few bits.
 //!
-//! Octahedral map: Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer 2014, A Survey of Efficient
-//! Representations for Independent Unit Vectors. `shaders/include/packing.glsl` is the other half.
+//! Octahedral map: Cigolle et al. 2014, A Survey of Efficient Representations for Independent Unit
+//! Vectors. `shaders/include/packing.glsl` is the other half.
 
 use glam::{Vec2, Vec3};
 

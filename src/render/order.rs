@@ -117,6 +117,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::single_range_in_vec_init, reason = "one range is meant")]
     fn leaves_stay_whole_and_come_nearest_first() {
         // Three cards of two triangles at depths 2, 0, 1.
         let mut positions = Vec::new();
@@ -140,6 +141,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::single_range_in_vec_init, reason = "one range is meant")]
     fn long_strips_are_cut() {
         let indices: Vec<u32> = (0..300).flat_map(|i| [i, i + 1, i + 2]).collect();
         let c = clusters(&indices, &[0..indices.len()]);

@@ -137,7 +137,7 @@ impl Renderer {
         let needs_shadow = view.is_shadowed() && self.plan.image(label::SHADOW_MAP).is_some();
         let draws_shadow = needs_shadow && !self.shadowed;
         let mut work = self.gpu.work(QueueKind::Graphics, view.name())?;
-        let frame_data = self.setup.frame_for(view);
+        let frame_data = self.setup.frame_for(view, &self.settings);
         work.upload(
             label::FRAME,
             self.resources.buffer(label::FRAME),

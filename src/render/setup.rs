@@ -111,15 +111,17 @@ fn background(settings: &RenderSettings) -> (u32, [f32; 3], [f32; 3]) {
     }
 }
 
-/// Base colour of the ground: that which makes the sunlit ground look like the horizon, so that
-/// only light and shade show; under a sky, dry grass.
-fn ground_albedo(settings: &RenderSettings, horizon: [f32; 3]) -> [f32; 3] {
+/// Base colour of the ground: that which makes the sunlit ground look like the horizon in the light
+/// of `terms`, so that only shade shows; under a sky, dry grass.
+fn ground_albedo(settings: &RenderSettings, horizon: [f32; 3], terms: u32) -> [f32; 3] {
     if settings.background == Background::Sky {
         return [0.30, 0.29, 0.17];
     }
     let incidence = settings.sun.direction().y.max(0.0) as f32;
+    let share = |term| if terms & term != 0 { 1.0 } else { 0.0 };
     std::array::from_fn(|c| {
-        let light = settings.sky.zenith[c] + settings.sun.color[c] * incidence;
+        let light = settings.sky.zenith[c] * share(TERM_AMBIENT)
+            + settings.sun.color[c] * incidence * share(TERM_DIRECT);
         horizon[c] / (light * settings.exposure).max(1e-6)
     })
 }
@@ -163,7 +165,7 @@ impl Setup {
             background,
             sky_ground: settings.sky.ground,
             ground_height: g.min.y,
-            ground_albedo: ground_albedo(settings, horizon_color),
+            ground_albedo: ground_albedo(settings, horizon_color, TERM_AMBIENT | TERM_DIRECT),
             ground_radius: if settings.ground {
                 GROUND_DIAGONALS * g.diagonal()
             } else {
@@ -175,7 +177,7 @@ impl Setup {
             crown_opacity: CROWN_OPACITY,
             crown_centre: crown_centre.into(),
             depth_scale: depth_scale as f32,
-            clay: [0.62, 0.62, 0.60],
+            clay: [0.36, 0.37, 0.35],
             near: camera.near as f32,
             pixel: settings.size.map(|s| 2.0 / s as f32),
             shadow_reach: settings.shadow_radius + 1.0,
@@ -183,9 +185,9 @@ impl Setup {
         Self { camera, sun, frame }
     }
 
-    /// Uniform data for one view: the same but for the terms of eq. 1.
+    /// Uniform data for one view: the same but for the terms of eq. 1 and the ground under them.
     #[must_use]
-    pub fn frame_for(&self, view: View) -> RenderFrame {
+    pub fn frame_for(&self, view: View, settings: &RenderSettings) -> RenderFrame {
         let terms = match view {
             View::Ambient => TERM_AMBIENT,
             View::Direct => TERM_DIRECT,
@@ -193,6 +195,7 @@ impl Setup {
         };
         RenderFrame {
             terms,
+            ground_albedo: ground_albedo(settings, self.frame.horizon_color, terms),
             ..self.frame
         }
     }

@@ -268,3 +268,50 @@ fn a_view_that_was_not_planned_is_refused() {
     let e = renderer.render_view(View::Textured).unwrap_err();
     assert!(e.to_string().contains("textured"), "{e}");
 }
+
+#[test]
+fn slice_and_surface_are_drawn_over_the_tree() {
+    let gpu = fixture::gpu();
+    let model = square();
+    let geometry = Geometry::flatten(&model);
+    // A density that falls linearly with x, and a surface of one triangle before the square.
+    let values: Vec<f32> = (0..27).map(|i| 1.0 - 0.5 * (i % 3) as f32).collect();
+    let corners = [(-0.5, -0.5), (0.5, -0.5), (0.0, 0.5)];
+    let positions = corners.map(|(x, y)| Vec3::new(x, y, 1.0));
+    let subject = Subject {
+        field: Some(umbrage::render::FieldGrid {
+            min: Vec3::splat(-1.0),
+            cell: 1.0,
+            nodes: [3, 3, 3],
+            values: &values,
+            tau: 0.25,
+        }),
+        surface: Some(umbrage::render::SurfaceMesh {
+            positions: &positions,
+            normals: &[Vec3::Z; 3],
+            indices: &[0, 1, 2],
+        }),
+        ..Subject::new(&model, &geometry)
+    };
+    let settings = RenderSettings {
+        camera: look(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO),
+        fov: 2.0 * 0.4f64.atan().to_degrees(),
+        ..plain([64, 64])
+    };
+    let views = [View::Textured, View::Slice, View::Surface];
+    let plan = Plan::new(&subject, &settings, &views).unwrap();
+    let mut renderer = Renderer::new(&gpu, &subject, &settings, plan).unwrap();
+    let [textured, slice, surface] = views.map(|v| renderer.render_view(v).unwrap().picture);
+    for p in [&slice, &surface] {
+        assert_eq!(p.pixel(2, 2), textured.pixel(2, 2), "outside");
+        assert_ne!(p.pixel(32, 32), textured.pixel(32, 32), "in the middle");
+    }
+    let light = |p: [u8; 4]| u32::from(p[0]) + u32::from(p[1]) + u32::from(p[2]);
+    // Dense is pale, thin is dark; x to the right.
+    assert!(light(slice.pixel(19, 30)) > light(slice.pixel(40, 30)) + 100);
+    assert_eq!(
+        surface.pixel(18, 18),
+        textured.pixel(18, 18),
+        "beside the triangle"
+    );
+}
