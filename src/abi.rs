@@ -360,6 +360,8 @@ abi! {
             share: f32,
             /// Extinction per leaf area: 0.5 for leaves at random angles.
             extinction: f32,
+            /// Cell size.
+            cell: f32,
         }
 
         /// Push constants of `foliage/sky_gather.comp`.

@@ -134,6 +134,7 @@ fn sweep(
             &[
                 Use::Read(&vectors),
                 Use::Read(&depth),
+                Use::Read(leaf_area),
                 Use::ReadWrite(&light),
             ],
             &abi::SkyLight {
@@ -142,6 +143,7 @@ fn sweep(
                 count,
                 share: 1.0 / directions as f32,
                 extinction: EXTINCTION,
+                cell: grid.cell,
             },
             nodes,
         )?;

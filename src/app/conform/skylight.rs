@@ -129,6 +129,7 @@ impl Setting {
                 &[
                     Binding::Read(&directions),
                     Binding::Read(&depth),
+                    Binding::Read(&leaf_area),
                     Binding::ReadWrite(&light),
                 ],
                 &SkyLight {
@@ -137,6 +138,7 @@ impl Setting {
                     count,
                     share: 1.0 / self.directions.len() as f32,
                     extinction: EXTINCTION,
+                    cell: self.grid.cell,
                 },
                 [nodes as u32, 1, 1],
             )?;
@@ -178,7 +180,15 @@ impl Setting {
         let directions: Vec<DVec3> = self.directions.iter().map(|w| xyz(*w)).collect();
         let depths: Vec<f64> = directions
             .iter()
-            .flat_map(|&w| sky_depth(&self.grid, &leaf_area, w))
+            .flat_map(|&w| {
+                // The kernel's form: with the node's own half of the trapezoid; 0 at the far side.
+                let own = 0.5 * f64::from(self.grid.cell) / w.abs().max_element();
+                let depth = sky_depth(&self.grid, &leaf_area, w);
+                depth
+                    .into_iter()
+                    .zip(leaf_area.clone())
+                    .map(move |(d, l)| d + own * l)
+            })
             .collect();
         let expected = sky_light(&self.grid, &leaf_area, &directions, f64::from(EXTINCTION));
         let deepest = depths.iter().copied().fold(0.0, f64::max);
