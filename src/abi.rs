@@ -115,7 +115,15 @@ abi! {
         /// Nodes of a tile.
         TILE_NODES: u32 = 64;
         /// Queries of a block of the field kernel.
-        BLOCK_QUERIES: u32 = 16;
+        BLOCK_QUERIES: u32 = 32;
+        /// Invocations of a group of the field kernel: as many as 16 KiB of shared memory hold.
+        FIELD_GROUP: u32 = 32;
+        /// What the field kernel adds up: the density.
+        FIELD_DENSITY: u32 = 0;
+        /// The gradient, without the density.
+        FIELD_GRADIENT: u32 = 1;
+        /// Both.
+        FIELD_BOTH: u32 = 2;
         /// Bits of a generator's index that select its column in the generator image.
         GENERATOR_COLUMN_BITS: u32 = 10;
         /// Culling is this much wider than the support, against rounding of bins.

@@ -13,9 +13,9 @@
 // block; each takes every FIELD_SLOTS-th generator of the rows of bins that meet the block's
 // support and adds it to all queries of the block.
 
-layout(local_size_x = GROUP_1D) in;
+layout(local_size_x = FIELD_GROUP) in;
 layout(constant_id = 0) const uint NORM = NORM_EUCLIDEAN;
-layout(constant_id = 1) const uint WITH_GRADIENT = 1;
+layout(constant_id = 1) const uint TERMS = FIELD_BOTH;
 layout(set = 0, binding = 0) uniform sampler2D generators;
 layout(set = 0, binding = 1, scalar) restrict readonly buffer BinFirst { uint bin_first[]; };
 layout(set = 0, binding = 2, scalar) restrict readonly buffer Queries { vec4 queries[]; };
@@ -23,7 +23,7 @@ layout(set = 0, binding = 3, scalar) restrict writeonly buffer Result { float re
 layout(push_constant, scalar) uniform Push { FieldQueries push; };
 
 const uint VALUES = 4u;
-shared float partial[GROUP_1D * BLOCK_QUERIES * VALUES];
+shared float partial[FIELD_GROUP * BLOCK_QUERIES * VALUES];
 
 vec4 generator(uint i) {
     uint column = i & ((1u << GENERATOR_COLUMN_BITS) - 1u);
@@ -76,8 +76,10 @@ void main() {
                         vec3 d = q[k] - p;
                         float t = max(1.0 - squared_length(d, NORM), 0.0);
                         float wt = weight * t;
-                        density[k] = fma(wt, t, density[k]);
-                        if (WITH_GRADIENT != 0u) {
+                        if (TERMS != FIELD_GRADIENT) {
+                            density[k] = fma(wt, t, density[k]);
+                        }
+                        if (TERMS != FIELD_DENSITY) {
                             gradient[k] = fma(vec3(wt), outward(d, NORM), gradient[k]);
                         }
                     }
@@ -86,31 +88,41 @@ void main() {
         }
     }
     [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
-        vec4 value = vec4(density[k], gradient[k]);
-        [[unroll]] for (uint c = 0u; c < VALUES; ++c) {
-            partial[(k * VALUES + c) * GROUP_1D + gl_LocalInvocationID.x] = value[c];
+        uint at = k * VALUES * FIELD_GROUP + gl_LocalInvocationID.x;
+        if (TERMS != FIELD_GRADIENT) {
+            partial[at] = density[k];
+        }
+        if (TERMS != FIELD_DENSITY) {
+            [[unroll]] for (uint c = 0u; c < 3u; ++c) {
+                partial[at + (c + 1u) * FIELD_GROUP] = gradient[k][c];
+            }
         }
     }
     barrier();
-    // Slot s adds up the queries s * 2 and s * 2 + 1 of its block.
+    // Slot s adds up the queries s, s + FIELD_SLOTS ... of its block.
     uint column = gl_LocalInvocationID.x - slot;
-    [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES / FIELD_SLOTS; ++k) {
-        uint n = slot * (BLOCK_QUERIES / FIELD_SLOTS) + k;
+    for (uint n = slot; n < BLOCK_QUERIES; n += FIELD_SLOTS) {
         vec4 total = vec4(0.0);
+        uint first = n * VALUES * FIELD_GROUP + column;
         [[unroll]] for (uint s = 0u; s < FIELD_SLOTS; ++s) {
-            [[unroll]] for (uint c = 0u; c < VALUES; ++c) {
-                total[c] += partial[(n * VALUES + c) * GROUP_1D + column + s];
+            if (TERMS != FIELD_GRADIENT) {
+                total.x += partial[first + s];
+            }
+            if (TERMS != FIELD_DENSITY) {
+                [[unroll]] for (uint c = 1u; c < VALUES; ++c) {
+                    total[c] += partial[first + c * FIELD_GROUP + s];
+                }
             }
         }
         if (first_query + n < push.count) {
             uint target = floatBitsToUint(queries[first_query + n].w);
-            if (WITH_GRADIENT != 0u) {
+            if (TERMS == FIELD_DENSITY) {
+                result[target] = total.x;
+            } else {
                 result[4u * target] = total.x;
                 [[unroll]] for (uint c = 1u; c < VALUES; ++c) {
                     result[4u * target + c] = -4.0 * inverse_radius * total[c];
                 }
-            } else {
-                result[target] = total.x;
             }
         }
     }

@@ -54,10 +54,19 @@ fn transfer(
         radius: s.rho_ambient,
         norm: s.norm,
     };
-    let on_foliage =
-        field.at_queries(r, "ambient density at foliage", &f.foliage.queries, false)?;
+    let on_foliage = field.at_queries(
+        r,
+        "ambient density at foliage",
+        &f.foliage.queries,
+        abi::FIELD_DENSITY,
+    )?;
     let on_covered = match f.covered {
-        Some(c) => Some(field.at_queries(r, "ambient density at covered", &c.queries, false)?),
+        Some(c) => Some(field.at_queries(
+            r,
+            "ambient density at covered",
+            &c.queries,
+            abi::FIELD_DENSITY,
+        )?),
         None => None,
     };
     let quantiles = [s.tau, s.d_min].map(|t| matches!(t, Threshold::Quantile(_)));

@@ -65,15 +65,16 @@ pub(super) struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// Density (1 float) or density and gradient (4 floats) per query, by the query's number.
+    /// Density (1 float) or density and gradient (4 floats; the density is 0 for
+    /// `FIELD_GRADIENT`) per query, by the query's number.
     pub(super) fn at_queries(
         &self,
         r: &mut Recorder<'_>,
         label: &str,
         queries: &Queries,
-        with_gradient: bool,
+        terms: u32,
     ) -> Result<Store> {
-        let floats = if with_gradient { 4 } else { 1 };
+        let floats = if terms == abi::FIELD_DENSITY { 1 } else { 4 };
         let result = r.array::<f32>(label, floats * queries.count)?;
         let grid = &self.generators.grid;
         let blocks = queries.count.div_ceil(abi::BLOCK_QUERIES as usize);
@@ -81,7 +82,7 @@ impl Field<'_> {
             label,
             Kernel {
                 shader: shaders::FIELD_COMP,
-                constants: &[(0, self.norm.constant()), (1, u32::from(with_gradient))],
+                constants: &[(0, self.norm.constant()), (1, terms)],
             },
             &[
                 Use::Fetch(&self.generators.texels),

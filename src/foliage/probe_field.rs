@@ -84,7 +84,8 @@ impl FieldInput<'_> {
         run(gpu, points.len(), |r| {
             let sorted = self.sort(r)?;
             let queries = self.queries(r, points)?;
-            self.with(&sorted).at_queries(r, "field", &queries, true)
+            self.with(&sorted)
+                .at_queries(r, "field", &queries, abi::FIELD_BOTH)
         })
     }
 
@@ -96,7 +97,8 @@ impl FieldInput<'_> {
         run(gpu, points.len(), |r| {
             let sorted = self.sort(r)?;
             let queries = self.queries(r, points)?;
-            self.with(&sorted).at_queries(r, "field", &queries, false)
+            self.with(&sorted)
+                .at_queries(r, "field", &queries, abi::FIELD_DENSITY)
         })
     }
 

@@ -35,17 +35,29 @@ pub(super) fn directions(
     let steps = Steps::new(r, foliage.numbers.len(), s.rho)?;
     match s.normals {
         NormalsMode::Gradient => {
-            let near = near.at_queries(r, "field at foliage", &foliage.queries, true)?;
+            let near =
+                near.at_queries(r, "field at foliage", &foliage.queries, abi::FIELD_GRADIENT)?;
             let missing = steps.run(r, abi::DIRECTIONS_SINGLE, &near, &near)?;
             if missing > 0 {
-                let wide = wide.at_queries(r, "wide field at foliage", &foliage.queries, true)?;
+                let wide = wide.at_queries(
+                    r,
+                    "wide field at foliage",
+                    &foliage.queries,
+                    abi::FIELD_GRADIENT,
+                )?;
                 stats.kept_normals = steps.run(r, abi::DIRECTIONS_FILL, &wide, &wide)?;
                 stats.wide_fallbacks = missing - stats.kept_normals;
             }
         }
         NormalsMode::Multiscale => {
-            let near = near.at_queries(r, "field at foliage", &foliage.queries, true)?;
-            let wide = wide.at_queries(r, "wide field at foliage", &foliage.queries, true)?;
+            let near =
+                near.at_queries(r, "field at foliage", &foliage.queries, abi::FIELD_GRADIENT)?;
+            let wide = wide.at_queries(
+                r,
+                "wide field at foliage",
+                &foliage.queries,
+                abi::FIELD_GRADIENT,
+            )?;
             stats.kept_normals = steps.run(r, abi::DIRECTIONS_MEAN, &near, &wide)?;
         }
         mode => unreachable!("{mode} is handled before the field modes"),

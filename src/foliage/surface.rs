@@ -228,7 +228,7 @@ pub(super) fn extract(
     let gradients = if from_gradient && vertex_count > 0 {
         let reach = half + f64::from(field.radius);
         let queries = Queries::sort(r, "surface", &vertices, vertex_count, reach)?;
-        Some(field.at_queries(r, "field at surface", &queries, true)?)
+        Some(field.at_queries(r, "field at surface", &queries, abi::FIELD_GRADIENT)?)
     } else {
         None
     };
