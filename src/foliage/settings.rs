@@ -241,7 +241,8 @@ impl Default for Settings {
             exponent: 1.0,
             d_min: Threshold::Quantile(0.9),
             directions: 16,
-            normals: NormalsMode::Gradient,
+            // More meaning and less roughness than `gradient`: docs/foliage-measures.md.
+            normals: NormalsMode::Multiscale,
             blend: 1.0,
             encoding: Encoding::Packed16,
             back_faces: BackFaces::Unflipped,
