@@ -21,7 +21,7 @@ fn host(criterion: &mut Criterion) {
     let geometry = Geometry::flatten(&model);
     criterion.bench_function("grow", |b| b.iter(|| plant(black_box(2000))));
     criterion.bench_function("flatten", |b| {
-        b.iter(|| Geometry::flatten(black_box(&model)))
+        b.iter(|| Geometry::flatten(black_box(&model)));
     });
     criterion.bench_function("split", |b| {
         b.iter(|| Split::new(&model, black_box(&geometry), None));

@@ -124,10 +124,10 @@ fn broken_models_are_refused_by_object() {
         |m| m.set_index(3, 99),
     );
     refused("nan.glb", &["POSITION", "NaN"], |m| {
-        m.set_position(2, 1, f32::NAN)
+        m.set_position(2, 1, f32::NAN);
     });
     refused("inf.glb", &["POSITION", "inf"], |m| {
-        m.set_position(9, 0, f32::INFINITY)
+        m.set_position(9, 0, f32::INFINITY);
     });
     refused("buffer.glb", &["gone.bin"], |m| {
         m.json["buffers"] = json!([{ "uri": "gone.bin", "byteLength": 4096 }]);
@@ -143,7 +143,7 @@ fn broken_models_are_refused_by_object() {
         m.json["extensionsRequired"] = json!(["EXT_nobody_knows"]);
     });
     refused("accessor.glb", &["accessor"], |m| {
-        m.json["accessors"][0]["count"] = json!(100_000)
+        m.json["accessors"][0]["count"] = json!(100_000);
     });
     refused("bare.glb", &["Wood", "Bark", "--foliage"], |m| {
         m.json["materials"][0] = json!({ "name": "Wood" });

@@ -35,7 +35,7 @@ pub(crate) fn small_tree() -> SmallModel {
     let indices_at = binary.len();
     let both = leaf_indices.iter().chain(&bark_indices);
     both.for_each(|i| binary.extend(i.to_le_bytes()));
-    while binary.len() % 4 != 0 {
+    while !binary.len().is_multiple_of(4) {
         binary.push(0);
     }
     let json = json!({
@@ -87,7 +87,7 @@ impl SmallModel {
     /// The file's bytes.
     pub(crate) fn glb(&self) -> Vec<u8> {
         let mut json = serde_json::to_vec(&self.json).unwrap();
-        while json.len() % 4 != 0 {
+        while !json.len().is_multiple_of(4) {
             json.push(b' ');
         }
         let length = |n: usize| u32::try_from(n).unwrap().to_le_bytes();

@@ -32,7 +32,7 @@ pub fn run(context: &Context, args: &SurfaceArgs) -> Result<Report> {
     let (geometry, settings) = (&prepared.geometry, &prepared.settings);
     let found = timings.measure("surface", || {
         Surface::compute(gpu, geometry, &split, settings, &mut |label, _| {
-            working.step(label)
+            working.step(label);
         })
     })?;
     timings.add_passes(&found.times);

@@ -55,7 +55,12 @@ pub(super) fn cases() -> Vec<Case> {
         on_grid(gpu, &cloud(2000), 0.01, Norm::Euclidean)
     });
     add("foliage.density.coincident", |gpu| {
-        on_grid(gpu, &[[0.1, 0.1, 0.1, 1.0]; 2000], 0.15, Norm::Euclidean)
+        on_grid(
+            gpu,
+            &vec![[0.1, 0.1, 0.1, 1.0]; 2000],
+            0.15,
+            Norm::Euclidean,
+        )
     });
     add("foliage.field.cloud", |gpu| {
         at_points(gpu, &cloud(3000), 0.1, Norm::Euclidean)
@@ -228,7 +233,7 @@ fn field_direction(gpu: &Gpu) -> Result<Outcome> {
         }
         let expected = realign::gradient_direction(&twin, position(p))?;
         let got = -Vec3::new(g[1], g[2], g[3]).normalize();
-        Some(f64::from(angle_degrees(got, expected.as_vec3())))
+        Some(angle_degrees(got, expected.as_vec3()))
     });
     Ok(Outcome {
         error: worst(errors),
@@ -317,9 +322,7 @@ fn direction_modes(gpu: &Gpu, mode: u32) -> Result<Outcome> {
         };
         match expected {
             None => f64::from(g[3]),
-            Some(e) if g[3] == 1.0 => {
-                f64::from(angle_degrees(Vec3::new(g[0], g[1], g[2]), e.as_vec3()))
-            }
+            Some(e) if g[3] == 1.0 => angle_degrees(Vec3::new(g[0], g[1], g[2]), e.as_vec3()),
             Some(_) => f64::NAN,
         }
     });
@@ -349,7 +352,7 @@ fn blend(gpu: &Gpu) -> Result<Outcome> {
             0.0 => widen(o),
             _ => realign::blend(widen(o), widen(f), 0.5),
         };
-        f64::from(angle_degrees(Vec3::from(*g), expected.as_vec3()))
+        angle_degrees(Vec3::from(*g), expected.as_vec3())
     });
     Ok(Outcome {
         error: worst(errors),

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use self::sweep::{Record, Sweep, Topic};
+use self::sweep::{Record, Sweep};
 use self::truth::Truth;
 use super::output::PendingFile;
 use super::{Context, Report};
