@@ -10,6 +10,7 @@ pub mod image;
 pub mod order;
 mod pipelines;
 pub mod plan;
+pub mod planned;
 pub mod renderer;
 pub mod settings;
 pub mod setup;

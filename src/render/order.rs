@@ -127,7 +127,7 @@ mod tests {
             positions.extend(corners.map(|(x, y)| Vec3::new(x, y, z)));
             indices.extend([0, 1, 2, 2, 1, 3].map(|k| k + 4 * i as u32));
         }
-        let c = clusters(&indices, std::slice::from_ref(&(0..18)));
+        let c = clusters(&indices, &[0..18]);
         assert_eq!(c.len(), 3);
         let mut out = Vec::new();
         append_sorted(&mut out, &c, &indices, &positions, Vec3::Z);
@@ -144,7 +144,7 @@ mod tests {
     #[expect(clippy::single_range_in_vec_init, reason = "one range is meant")]
     fn long_strips_are_cut() {
         let indices: Vec<u32> = (0..300).flat_map(|i| [i, i + 1, i + 2]).collect();
-        let c = clusters(&indices, std::slice::from_ref(&(0..indices.len())));
+        let c = clusters(&indices, &[0..indices.len()]);
         assert!(c.len() >= 300 / CLUSTER_TRIANGLES);
         assert!(c.iter().all(|c| c.indices.len() <= 3 * CLUSTER_TRIANGLES));
         assert!(clusters(&[], &[]).is_empty());
