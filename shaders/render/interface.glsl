@@ -22,12 +22,9 @@ float shadow_tap(vec2 at, float depth) {
     return mix(mix(lit.w, lit.z, t.x), mix(lit.x, lit.y, t.x), t.y);
 }
 
-// Places of the filter: a sunflower's spiral, evenly spread over the unit disc (Vogel 1979).
-vec2 sunflower(int i, int count) {
-    float radius = sqrt((float(i) + 0.5) / float(count));
-    float angle = float(i) * 2.39996323;
-    return radius * vec2(cos(angle), sin(angle));
-}
+// Cosine and sine of the golden angle: places of the filter follow a sunflower's spiral, evenly
+// spread over the unit disc (Vogel 1979).
+const vec2 GOLDEN = vec2(-0.73736888, 0.67549029);
 
 // Share of the sun that reaches a point (S of eq. 1), filtered over a disc of `spread` times the
 // radius that is set. The point first moves off its surface towards the sun, farther the steeper
@@ -41,11 +38,18 @@ float sun_visibility(vec3 position, float steepness, float spread, int taps) {
     vec2 centre = 0.5 + 0.5 * at.xy;
     // Behind the farthest caster the map is as deep as it can say.
     float depth = max(at.z, 0.0);
+    // Nothing stands between the sun and what lies outside the map.
+    bool inside = max(abs(at.x), abs(at.y)) < 1.0;
+    float count = inside ? float(taps) : 0.0;
+    vec2 direction = vec2(1.0, 0.0);
     float lit = 0.0;
-    for (int i = 0; i < taps; i++) {
-        lit += shadow_tap(centre + sunflower(i, taps) * (frame.shadow_radius * spread), depth);
+    for (float i = 0.5; i < count; i += 1.0) {
+        float radius = frame.shadow_radius * spread * sqrt(i / float(taps));
+        lit += shadow_tap(centre + direction * radius, depth);
+        direction = vec2(GOLDEN.x * direction.x - GOLDEN.y * direction.y,
+                         GOLDEN.y * direction.x + GOLDEN.x * direction.y);
     }
-    return lit / float(taps);
+    return inside ? lit / float(taps) : 1.0;
 }
 
 // Light of one punctual source at a point: direction to it and intensity there.
