@@ -42,8 +42,10 @@ vec3 closest_on_triangle(vec3 p, vec3 a, vec3 b, vec3 c) {
         float t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
         return vec3(0.0, 1.0 - t, t);
     }
-    float sum = va + vb + vc;
-    return vec3(va, vb, vc) / sum;
+    // Cancellation on slivers must not lead to a point outside, which would seem nearer than it is.
+    vec3 weights = max(vec3(va, vb, vc), vec3(0.0));
+    float sum = weights.x + weights.y + weights.z;
+    return sum > 0.0 ? weights / sum : vec3(1.0, 0.0, 0.0);
 }
 
 #endif
