@@ -157,9 +157,9 @@ abi! {
         /// Newton steps onto the surface at most (`exact.comp`).
         EXACT_NEWTON_STEPS: u32 = 20;
         /// Descent steps along the surface at most (`exact.comp`).
-        EXACT_DESCENT_STEPS: u32 = 60;
+        EXACT_DESCENT_STEPS: u32 = 200;
         /// Steps shorter than this share of the radius have arrived (`exact.comp`).
-        EXACT_TOLERANCE: f32 = 2e-6;
+        EXACT_TOLERANCE: f32 = 1e-5;
         /// Below this |grad D| times the radius a Newton step leads nowhere (`exact.comp`).
         EXACT_SLOPE_FLOOR: f32 = 1e-6;
         /// Below this |grad D| times the radius the gradient has no direction.
