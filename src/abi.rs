@@ -152,7 +152,7 @@ abi! {
         ENCODING_PACKED8: u32 = 2;
         /// Items or boxes in one box of the hierarchy over the implicit surface.
         BOX_CHILDREN: u32 = 8;
-        /// Neighbouring queries that one invocation of `nearest.comp` takes in turn.
+        /// Neighbouring queries that one invocation of `nearest.comp` takes at once.
         NEAREST_QUERIES: u32 = 16;
         /// Newton steps onto the surface at most (`exact.comp`).
         EXACT_NEWTON_STEPS: u32 = 20;
