@@ -68,7 +68,10 @@ void main() {
                 ivec2 xs = bin_range(low.x, high.x, sqrt(rest), push.bin_origin.x, inverse_edge, push.bins.x);
                 uint row = push.bins.x * (uint(y) + push.bins.y * uint(z));
                 uint last = bin_first[row + uint(xs.y) + 1u];
-                for (uint i = bin_first[row + uint(xs.x)] + slot; i < last; i += FIELD_SLOTS) {
+                uint begin = bin_first[row + uint(xs.x)];
+                // A generator belongs to the slot of its number, whatever the range, so that sums do not
+                // depend on which points share a block.
+                for (uint i = begin + ((slot - begin) & (FIELD_SLOTS - 1u)); i < last; i += FIELD_SLOTS) {
                     vec4 g = generator(i);
                     vec3 p = (g.xyz - centre) * inverse_radius;
                     float weight = g.w * g.w;

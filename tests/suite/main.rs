@@ -13,6 +13,7 @@ mod export;
 mod fixture;
 mod foliage_encode;
 mod foliage_field;
+mod foliage_gpu;
 mod foliage_realign;
 mod foliage_skylight;
 mod foliage_surface;
