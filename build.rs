@@ -41,6 +41,7 @@ unsafe extern "C" {}
 fn main() {
     println!("cargo:rerun-if-changed=shaders");
     println!("cargo:rerun-if-changed=src/abi.rs");
+    println!("cargo:rerun-if-changed=src/abi");
     println!("cargo:rerun-if-changed=build.rs");
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("set by cargo")).join("shaders");
     let out = PathBuf::from(env::var("OUT_DIR").expect("set by cargo"));

@@ -6,21 +6,12 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// A type that may stand in a shared struct.
-pub trait GlslType {
-    /// Its name in GLSL.
-    const GLSL: &'static str;
-}
+// The path is written out because build.rs includes this file from another folder's module tree.
+#[path = "abi/glsl.rs"]
+mod glsl_text;
 
-macro_rules! glsl_types {
-    ($($t:ty => $name:literal),* $(,)?) => { $(impl GlslType for $t { const GLSL: &'static str = $name; })* };
-}
-glsl_types! {
-    f32 => "float", u32 => "uint", i32 => "int",
-    [f32; 2] => "vec2", [f32; 3] => "vec3", [f32; 4] => "vec4",
-    [u32; 2] => "uvec2", [u32; 3] => "uvec3", [u32; 4] => "uvec4",
-    [i32; 3] => "ivec3", [[f32; 4]; 4] => "mat4", [[f32; 3]; 4] => "mat4x3",
-}
+use glsl_text::GlslLiteral;
+pub use glsl_text::GlslType;
 
 /// A struct's layout as the host sees it, for the comparison with SPIR-V.
 #[derive(Debug, Clone)]
@@ -76,26 +67,6 @@ macro_rules! abi {
     };
 }
 
-/// How a constant is written in GLSL.
-trait GlslLiteral {
-    fn literal(&self) -> String;
-}
-impl GlslLiteral for u32 {
-    fn literal(&self) -> String {
-        format!("{self}u")
-    }
-}
-impl GlslLiteral for i32 {
-    fn literal(&self) -> String {
-        format!("{self}")
-    }
-}
-impl GlslLiteral for f32 {
-    fn literal(&self) -> String {
-        format!("{self:?}")
-    }
-}
-
 abi! {
     constants {
         /// Invocations per group of one-dimensional kernels.
@@ -108,8 +79,6 @@ abi! {
         /// Invocations that share one tile of nodes or block of queries; each takes every
         /// `FIELD_SLOTS`-th generator.
         FIELD_SLOTS: u32 = 8;
-        /// Tiles or blocks of one group (`GROUP_1D / FIELD_SLOTS`).
-        FIELD_TILES: u32 = 8;
         /// Nodes of a tile along each axis of the density grid.
         TILE_SIDE: u32 = 4;
         /// Nodes of a tile.

@@ -93,7 +93,7 @@ fn a_second_bake_is_found_and_a_damaged_one_is_not_trusted() {
     assert_eq!(cached_bakes(&place).len(), 1, "and keeps its bake");
     let (passes, second) = bake("2.glb", &[]);
     assert_eq!(passes, 0, "the second run computes nothing");
-    assert_eq!(first, second, "and writes the same file");
+    assert!(first == second, "and writes the same file");
     let (passes, _) = bake("3.glb", &["--k-min", "0.3"]);
     assert!(passes > 0, "another setting is another bake");
     for path in cached_bakes(&place) {
@@ -108,16 +108,13 @@ fn a_second_bake_is_found_and_a_damaged_one_is_not_trusted() {
         "told: {}",
         stderr(&output)
     );
-    assert_eq!(
-        fs::read(place.path("4.glb")).unwrap(),
-        first,
-        "computed anew"
-    );
+    let anew = fs::read(place.path("4.glb")).unwrap();
+    assert!(anew == first, "computed anew");
     let (passes, again) = bake("5.glb", &[]);
     assert_eq!((passes, again == first), (0, true), "and kept again");
     let (passes, anew) = bake("6.glb", &["--no-cache"]);
     assert!(passes > 0, "without the cache it computes");
-    assert_eq!(anew, first, "the same");
+    assert!(anew == first, "the same bytes");
 }
 
 #[test]
@@ -267,8 +264,8 @@ fn the_same_seed_grows_the_same_file() {
         fs::read(place.path(output)).unwrap()
     };
     let first = grow("7", "a.glb");
-    assert_eq!(first, grow("7", "b.glb"), "same seed");
-    assert_ne!(first, grow("8", "c.glb"), "another seed");
+    assert!(first == grow("7", "b.glb"), "same seed");
+    assert!(first != grow("8", "c.glb"), "another seed");
 }
 
 #[test]
