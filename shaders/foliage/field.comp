@@ -34,7 +34,9 @@ void main() {
     uint block = flat_invocation() / FIELD_SLOTS;
     uint slot = gl_LocalInvocationID.x % FIELD_SLOTS;
     uint first_query = block * BLOCK_QUERIES;
-    float inverse_radius = 1.0 / push.radius;
+    // Lengths stay unscaled and absolute: nothing may depend on which points share a block.
+    float radius_squared = push.radius * push.radius;
+    float scale = 1.0 / (radius_squared * radius_squared);
     float inverse_edge = 1.0 / push.bin_edge;
     float support = push.radius * enclosing_radius(NORM) * (1.0 + CULL_MARGIN) + CULL_MARGIN * push.bin_edge;
 
@@ -46,13 +48,11 @@ void main() {
         low = k == 0u ? q[0] : min(low, q[k]);
         high = k == 0u ? q[0] : max(high, q[k]);
     }
-    vec3 centre = 0.5 * (low + high);
     float density[BLOCK_QUERIES];
     vec3 gradient[BLOCK_QUERIES];
     [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
         density[k] = 0.0;
         gradient[k] = vec3(0.0);
-        q[k] = (q[k] - centre) * inverse_radius;
     }
     ivec2 zs = bin_range(low.z, high.z, support, push.bin_origin.z, inverse_edge, push.bins.z);
     ivec2 ys = bin_range(low.y, high.y, support, push.bin_origin.y, inverse_edge, push.bins.y);
@@ -73,11 +73,11 @@ void main() {
                 // depend on which points share a block.
                 for (uint i = begin + ((slot - begin) & (FIELD_SLOTS - 1u)); i < last; i += FIELD_SLOTS) {
                     vec4 g = generator(i);
-                    vec3 p = (g.xyz - centre) * inverse_radius;
+                    vec3 p = g.xyz;
                     float weight = g.w * g.w;
                     [[unroll]] for (uint k = 0u; k < BLOCK_QUERIES; ++k) {
                         vec3 d = q[k] - p;
-                        float t = max(1.0 - squared_length(d, NORM), 0.0);
+                        float t = max(radius_squared - squared_length(d, NORM), 0.0);
                         float wt = weight * t;
                         if (TERMS != FIELD_GRADIENT) {
                             density[k] = fma(wt, t, density[k]);
@@ -120,11 +120,11 @@ void main() {
         if (first_query + n < push.count) {
             uint target = floatBitsToUint(queries[first_query + n].w);
             if (TERMS == FIELD_DENSITY) {
-                result[target] = total.x;
+                result[target] = scale * total.x;
             } else {
-                result[4u * target] = total.x;
+                result[4u * target] = scale * total.x;
                 [[unroll]] for (uint c = 1u; c < VALUES; ++c) {
-                    result[4u * target + c] = -4.0 * inverse_radius * total[c];
+                    result[4u * target + c] = -4.0 * scale * total[c];
                 }
             }
         }
