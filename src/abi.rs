@@ -226,6 +226,14 @@ abi! {
             items: u32,
             /// Levels of boxes.
             levels: u32,
+            /// Level whose boxes this dispatch walks, counted from 1.
+            root_level: u32,
+            /// First of these boxes.
+            root_first: u32,
+            /// The box after the last.
+            root_last: u32,
+            /// Whether an earlier dispatch has left something in the result.
+            continues: u32,
         }
 
         /// Push constants of `foliage/exact.comp`.

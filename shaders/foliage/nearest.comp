@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 #include "abi.glsl"
 #include "dispatch.glsl"
 #include "boxes.glsl"
@@ -11,6 +12,10 @@
 // an item serves them all. What lies in the leaf nearest to the block bounds the search. The
 // hierarchy is walked in order without a stack: after a box comes its first child if it may hold
 // something nearer to any of the queries, else the next box that has not been passed.
+//
+// One dispatch walks the boxes [root_first, root_last) of one level, and goes on from what the
+// dispatches before it found: Mesa's software driver ends the loops of an invocation, all
+// together, after 65,535 rounds.
 
 layout(local_size_x = GROUP_1D) in;
 layout(constant_id = 0) const uint FACES = 0;
@@ -20,24 +25,26 @@ layout(set = 0, binding = 2, scalar) restrict readonly buffer Vertices { vec4 ve
 layout(set = 0, binding = 3, scalar) restrict readonly buffer Indices { uint indices[]; };
 layout(set = 0, binding = 4, scalar) restrict readonly buffer Boxes { vec3 boxes[]; };
 layout(set = 0, binding = 5, scalar) restrict readonly buffer Levels { uvec2 levels[]; };
-layout(set = 0, binding = 6, scalar) restrict writeonly buffer Result { vec4 result[]; };
+layout(set = 0, binding = 6, scalar) restrict buffer Result { vec4 result[]; };
 layout(push_constant, scalar) uniform Push { NearestQueries push; };
 
-// The block with what is nearest so far. Globals: as an argument it would be copied.
-vec3 query[NEAREST_QUERIES];
-float squared[NEAREST_QUERIES];
-uint number[NEAREST_QUERIES];
-vec3 block_low;
-vec3 block_high;
-// Largest of `squared`: nothing farther than this from the block can matter.
-float reach;
+// The block with what is nearest so far.
+struct Block {
+    vec3 query[NEAREST_QUERIES];
+    float squared[NEAREST_QUERIES];
+    uint number[NEAREST_QUERIES];
+    vec3 low;
+    vec3 high;
+    // Largest of `squared`: nothing farther than this from the block can matter.
+    float reach;
+};
 
 vec3 corner(uint triangle, uint k) {
     return vertices[indices[3u * triangle + k]].xyz;
 }
 
 // Takes the items of a leaf.
-void consider(uint leaf) {
+void consider(inout Block block, uint leaf) {
     uint last = min(BOX_CHILDREN * (leaf + 1u), push.items);
     for (uint place = BOX_CHILDREN * leaf; place < last; ++place) {
         vec4 item = items[place];
@@ -50,28 +57,28 @@ void consider(uint leaf) {
             b = corner(candidate, 1u);
             c = corner(candidate, 2u);
         }
-        for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
+        [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
             vec3 p = a;
             if (FACES != 0u) {
-                vec3 weights = closest_on_triangle(query[k], a, b, c);
+                vec3 weights = closest_on_triangle(block.query[k], a, b, c);
                 p = weights.x * a + weights.y * b + weights.z * c;
             }
-            vec3 d = query[k] - p;
+            vec3 d = block.query[k] - p;
             float distance = dot(d, d);
-            bool better = distance < squared[k] || (distance == squared[k] && candidate < number[k]);
-            squared[k] = better ? distance : squared[k];
-            number[k] = better ? candidate : number[k];
+            bool better = distance < block.squared[k] || (distance == block.squared[k] && candidate < block.number[k]);
+            block.squared[k] = better ? distance : block.squared[k];
+            block.number[k] = better ? candidate : block.number[k];
         }
     }
-    reach = 0.0;
-    for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
-        reach = max(reach, squared[k]);
+    block.reach = 0.0;
+    [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
+        block.reach = max(block.reach, block.squared[k]);
     }
 }
 
 // Squared distance between the block and a box, rounded down.
-float gap_squared(uint box) {
-    vec3 d = max(max(boxes[2u * box] - block_high, block_low - boxes[2u * box + 1u]), vec3(0.0));
+float gap_squared(vec3 low, vec3 high, uint box) {
+    vec3 d = max(max(boxes[2u * box] - high, low - boxes[2u * box + 1u]), vec3(0.0));
     return dot(d, d) * (1.0 - 1e-5);
 }
 
@@ -97,31 +104,40 @@ uint first_leaf(vec3 centre) {
     return box;
 }
 
-void search(uint visited) {
-    // The top level has at most BOX_CHILDREN boxes.
-    uint level = push.levels;
-    uint box = 0u;
+void search(inout Block block) {
+    uint level = push.root_level;
+    uint box = push.root_first;
     while (true) {
         uvec2 here = levels[level - 1u];
-        bool open = box < here.y && gap_squared(here.x + box) <= reach;
+        uint end = level == push.root_level ? push.root_last : here.y;
+        bool open = box < end && gap_squared(block.low, block.high, here.x + box) <= block.reach;
         if (open && level > 1u) {
             level -= 1u;
             box *= BOX_CHILDREN;
             continue;
         }
-        if (open && box != visited) {
-            consider(box);
+        if (open) {
+            consider(block, box);
         }
         box += 1u;
         // The last sibling, or past the end of the level: go on beside the parent.
-        while (level < push.levels && (box % BOX_CHILDREN == 0u || box >= levels[level - 1u].y)) {
+        while (level < push.root_level && (box % BOX_CHILDREN == 0u || box >= levels[level - 1u].y)) {
             box = (box - 1u) / BOX_CHILDREN + 1u;
             level += 1u;
         }
-        if (level == push.levels && box >= levels[level - 1u].y) {
+        if (level == push.root_level && box >= push.root_last) {
             return;
         }
     }
+}
+
+// Squared distance to what an earlier dispatch found.
+float known_squared(vec3 q, uint number, vec3 weights) {
+    vec3 p = FACES == 0u
+        ? vertices[number].xyz
+        : weights.x * corner(number, 0u) + weights.y * corner(number, 1u) + weights.z * corner(number, 2u);
+    vec3 d = q - p;
+    return dot(d, d);
 }
 
 void main() {
@@ -129,23 +145,36 @@ void main() {
     if (first >= push.count) {
         return;
     }
-    for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
+    Block block;
+    block.low = queries[first].xyz;
+    block.high = block.low;
+    block.reach = 0.0;
+    [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
         // The last block repeats its last query.
-        query[k] = queries[min(first + k, push.count - 1u)].xyz;
-        squared[k] = 3.0e38;
-        number[k] = 0xffffffffu;
-        block_low = k == 0u ? query[k] : min(block_low, query[k]);
-        block_high = k == 0u ? query[k] : max(block_high, query[k]);
+        vec4 query = queries[min(first + k, push.count - 1u)];
+        block.query[k] = query.xyz;
+        block.squared[k] = 3.0e38;
+        block.number[k] = 0xffffffffu;
+        if (push.continues != 0u) {
+            vec4 known = result[floatBitsToUint(query.w)];
+            block.number[k] = floatBitsToUint(known.x);
+            block.squared[k] = known_squared(query.xyz, block.number[k], known.yzw);
+        }
+        block.reach = max(block.reach, block.squared[k]);
+        block.low = min(block.low, query.xyz);
+        block.high = max(block.high, query.xyz);
     }
-    uint leaf = first_leaf(0.5 * (block_low + block_high));
-    consider(leaf);
-    search(leaf);
+    if (push.continues == 0u) {
+        consider(block, first_leaf(0.5 * (block.low + block.high)));
+    }
+    search(block);
     for (uint k = 0u; k < NEAREST_QUERIES && first + k < push.count; ++k) {
+        uint number = block.number[k];
         vec3 weights = vec3(1.0, 0.0, 0.0);
         if (FACES != 0u) {
-            weights = closest_on_triangle(query[k], corner(number[k], 0u), corner(number[k], 1u),
-                corner(number[k], 2u));
+            weights = closest_on_triangle(
+                block.query[k], corner(number, 0u), corner(number, 1u), corner(number, 2u));
         }
-        result[floatBitsToUint(queries[first + k].w)] = vec4(uintBitsToFloat(number[k]), weights);
+        result[floatBitsToUint(queries[first + k].w)] = vec4(uintBitsToFloat(number), weights);
     }
 }

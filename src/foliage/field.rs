@@ -205,3 +205,47 @@ impl NodeGrid {
             .product()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Gpu, GpuOptions, Validation};
+    use crate::math::sampling::uniform;
+
+    #[test]
+    fn sorting_loses_no_query_whatever_their_number() {
+        let options = GpuOptions {
+            validation: Validation::Required,
+            ..Default::default()
+        };
+        let gpu = Gpu::new(&options).expect("a driver and the validation layer");
+        let mut silent = |_: &str, _: f32| {};
+        for count in [1usize, 100, 5000, 65_535, 65_536, 100_000] {
+            let r = &mut Recorder::new(Some(&gpu), &mut silent);
+            let at = |i: usize, a: usize| uniform(3, (3 * i + a) as u32) as f32 - 0.5;
+            let points: Vec<[f32; 4]> = (0..count)
+                .map(|i| [at(i, 0), at(i, 1), at(i, 2), 0.0])
+                .collect();
+            let store = r.upload("points", &points).unwrap();
+            let queries = Queries::sort(r, "test", &store, count, DVec3::splat(0.5)).unwrap();
+            let sorted: Vec<[f32; 4]> = r.fetch("sorted", &queries.sorted, Vec::new).unwrap();
+            let mut seen = vec![0; count];
+            let mut wrong = 0;
+            for q in sorted.iter().take(count) {
+                let i = q[3].to_bits() as usize;
+                if i < count && q[..3] == points[i][..3] {
+                    seen[i] += 1;
+                } else {
+                    wrong += 1;
+                }
+            }
+            let missing = seen.iter().filter(|&&n| n != 1).count();
+            assert_eq!(
+                (wrong, missing),
+                (0, 0),
+                "{count} queries: not their own, not exactly once"
+            );
+        }
+        assert_eq!(gpu.take_validation_messages(), Vec::<String>::new());
+    }
+}

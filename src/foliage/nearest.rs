@@ -46,6 +46,35 @@ fn level_counts(items: usize) -> Vec<u32> {
     counts.iter().map(|&c| c as u32).collect()
 }
 
+/// Boxes of one level that one dispatch walks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Roots {
+    /// Counted from 1.
+    level: u32,
+    first: u32,
+    last: u32,
+}
+
+/// Levels below a root: 8^4 = 4,096 items, whose boxes and items together stay far below the
+/// 65,535 rounds after which Mesa's software driver ends an invocation's loops.
+const SLICE_LEVELS: u32 = 4;
+/// Roots of one dispatch; with them at most 32,768 items, about 42,000 rounds.
+const SLICE_ROOTS: u32 = 8;
+
+/// Splits the hierarchy into dispatches that no driver cuts short.
+fn slices(counts: &[u32]) -> Vec<Roots> {
+    let level = SLICE_LEVELS.min(counts.len() as u32);
+    let count = counts[level as usize - 1];
+    (0..count)
+        .step_by(SLICE_ROOTS as usize)
+        .map(|first| Roots {
+            level,
+            first,
+            last: count.min(first + SLICE_ROOTS),
+        })
+        .collect()
+}
+
 /// Finds what of `surface` (which must not be empty) is nearest to each query.
 pub(super) fn nearest(
     r: &mut Recorder<'_>,
@@ -93,28 +122,34 @@ pub(super) fn nearest(
     }
     let level_table = r.upload("surface levels", &levels)?;
     let found = r.array::<[f32; 4]>("nearest", queries.count)?;
-    r.compute(
-        "nearest",
-        Kernel {
-            shader: shaders::NEAREST_COMP,
-            constants: &constants,
-        },
-        &[
-            Use::Read(&queries.sorted),
-            Use::Read(&sorted.sorted),
-            Use::Read(&surface.vertices),
-            Use::Read(&surface.indices),
-            Use::Read(&boxes),
-            Use::Read(&level_table),
-            Use::Write(&found),
-        ],
-        &abi::NearestQueries {
-            count: queries.count as u32,
-            items: items as u32,
-            levels: levels.len() as u32,
-        },
-        queries.count.div_ceil(abi::NEAREST_QUERIES as usize),
-    )?;
+    for (slice, roots) in slices(&counts).into_iter().enumerate() {
+        r.compute(
+            "nearest",
+            Kernel {
+                shader: shaders::NEAREST_COMP,
+                constants: &constants,
+            },
+            &[
+                Use::Read(&queries.sorted),
+                Use::Read(&sorted.sorted),
+                Use::Read(&surface.vertices),
+                Use::Read(&surface.indices),
+                Use::Read(&boxes),
+                Use::Read(&level_table),
+                Use::ReadWrite(&found),
+            ],
+            &abi::NearestQueries {
+                count: queries.count as u32,
+                items: items as u32,
+                levels: levels.len() as u32,
+                root_level: roots.level,
+                root_first: roots.first,
+                root_last: roots.last,
+                continues: u32::from(slice > 0),
+            },
+            queries.count.div_ceil(abi::NEAREST_QUERIES as usize),
+        )?;
+    }
     Ok(Nearest { target, found })
 }
 
@@ -218,6 +253,17 @@ mod tests {
             assert!(
                 *counts.last().unwrap() <= abi::BOX_CHILDREN,
                 "{items}: {counts:?}"
+            );
+            let roots = slices(&counts);
+            let level = roots[0].level;
+            assert!(
+                roots
+                    .windows(2)
+                    .all(|w| w[0].last == w[1].first && w[1].level == level)
+            );
+            assert_eq!(
+                (roots[0].first, roots[roots.len() - 1].last),
+                (0, counts[level as usize - 1])
             );
             let mut below = items as u32;
             for count in counts {

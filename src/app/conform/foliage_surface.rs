@@ -68,15 +68,23 @@ pub(super) fn cases() -> Vec<Case> {
         },
         Case {
             name: "foliage.realign.vertex",
-            run: |gpu| directions(gpu, |a| &a.vertex, twin_vertex),
+            run: |gpu| directions(gpu, &cloud(Norm::Euclidean), |a| &a.vertex, twin_vertex),
         },
         Case {
             name: "foliage.realign.face",
-            run: |gpu| directions(gpu, |a| &a.face, twin_face),
+            run: |gpu| directions(gpu, &cloud(Norm::Euclidean), |a| &a.face, twin_face),
+        },
+        Case {
+            name: "foliage.realign.vertex.fine",
+            run: |gpu| directions(gpu, &fine(), |a| &a.vertex, twin_vertex),
+        },
+        Case {
+            name: "foliage.realign.face.fine",
+            run: |gpu| directions(gpu, &fine(), |a| &a.face, twin_face),
         },
         Case {
             name: "foliage.realign.exact",
-            run: |gpu| directions(gpu, |a| &a.exact, twin_exact),
+            run: |gpu| directions(gpu, &cloud(Norm::Euclidean), |a| &a.exact, twin_exact),
         },
     ]
 }
@@ -134,6 +142,16 @@ fn cloud(norm: Norm) -> Blob {
         queries,
         ..ball()
     }
+}
+
+/// The cloud on a fine grid: more items than one level of any table holds.
+fn fine() -> Blob {
+    let mut blob = Blob {
+        cells: 112,
+        ..cloud(Norm::Euclidean)
+    };
+    blob.queries.truncate(60);
+    blob
 }
 
 impl Blob {
@@ -356,10 +374,10 @@ fn twin_exact(q: DVec3, blob: &Blob, surface: &Surface, _: &[DVec3]) -> Option<D
 /// nearest points (where the nearest and the next differ by rounding only).
 fn directions(
     gpu: &Gpu,
+    blob: &Blob,
     pick: fn(&SurfaceAnswer) -> &Vec<[f32; 4]>,
     twin: Twin,
 ) -> Result<Outcome> {
-    let blob = cloud(Norm::Euclidean);
     let answer = blob.run(gpu)?;
     let surface = widened(&answer);
     let normals: Vec<DVec3> = answer
@@ -370,7 +388,7 @@ fn directions(
         .collect();
     let mut angles: Vec<f64> = Vec::new();
     for (q, found) in blob.queries.iter().zip(pick(&answer)) {
-        if let Some(expected) = twin(point(*q), &blob, &surface, &normals) {
+        if let Some(expected) = twin(point(*q), blob, &surface, &normals) {
             angles.push(degrees(point(*found), expected));
         }
     }
