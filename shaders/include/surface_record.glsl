@@ -4,7 +4,7 @@
 // What stage 1 leaves of the nearest surface in every sample, in two times four bytes:
 //     a: base colour (square roots, so that dark tones keep their steps), ambient coefficient
 //     b: 11 + 11 bit octahedral normal, 8 bit material, 2 bit steepness towards the sun
-// Errors: normal 0.06 degrees, coefficient 1/510, square root of the base colour 1/510.
+// Errors: normal 0.12 degrees, coefficient 1/510, square root of the base colour 1/510.
 // `src/reference/shade.rs` has the same functions.
 
 #include "packing.glsl"

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn record_keeps_normals_to_six_hundredths_of_a_degree() {
+    fn record_keeps_normals_to_an_eighth_of_a_degree() {
         let mut worst = 0f64;
         for i in 0..20_000 {
             let y = 1.0 - 2.0 * (f64::from(i) + 0.5) / 20_000.0;
@@ -161,6 +161,6 @@ mod tests {
             let back = through_record(&s).normal;
             worst = worst.max(back.cross(n).length().asin().to_degrees());
         }
-        assert!(worst < 0.06, "{worst} degrees");
+        assert!(worst < 0.12, "{worst} degrees");
     }
 }

@@ -8,7 +8,7 @@ use super::view::View;
 pub enum Attribute {
     /// Position relative to the geometry's origin, 3 x f32.
     Position,
-    /// Realigned normal and ambient coefficient in the chosen [`Encoding`].
+    /// Realigned normal and ambient coefficient in the chosen [`Encoding`](super::Encoding).
     Shading,
     /// The model's own normal, packed.
     ModelNormal,
