@@ -205,6 +205,19 @@ fn info_tells_facts_and_plan() {
         let plan = place.json(&[&["info", tree.as_str()], arguments].concat());
         plan["plan"]["bytes"].as_u64().unwrap()
     };
+    let bake = |arguments: &[&str]| {
+        let info = place.json(&[&["info", tree.as_str()], arguments].concat());
+        info["bake"]["bytes"].as_u64().unwrap()
+    };
+    assert!(
+        bake(&["--ambient", "none"]) < bake(&[]),
+        "no ambient field without ambient coefficients"
+    );
+    assert_eq!(
+        place.json(&["info", &tree, "--view", "standard"])["bake"],
+        serde_json::Value::Null,
+        "no bake for a view without one"
+    );
     let whole = bytes(&[]);
     assert!(
         bytes(&["--shadows", "off"]) < whole,

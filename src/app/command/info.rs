@@ -9,7 +9,7 @@ use crate::app::input::Input;
 use crate::app::report::Table;
 use crate::app::settings::{foliage_pattern, foliage_settings, picture_settings};
 use crate::app::{Context, Report};
-use crate::foliage::Split;
+use crate::foliage::{Recipe, Split};
 use crate::render::plan::human_bytes;
 use crate::render::{Baked, FieldGrid, Plan, Subject, SurfaceMesh, View};
 use crate::scene::{AlphaMode, Geometry, ImageSource, Model};
@@ -25,7 +25,7 @@ pub fn run(context: &Context, args: &InfoArgs) -> Result<Report> {
     };
     let input = Input::load(source, &args.model.textures)?;
     let picture = picture_settings(input.scene.as_ref(), &args.picture)?;
-    foliage_settings(input.scene.as_ref(), &args.settings)?;
+    let settings = foliage_settings(input.scene.as_ref(), &args.settings)?;
     let pattern = foliage_pattern(input.scene.as_ref(), args.model.foliage.as_deref());
     let geometry = Geometry::flatten(&input.model);
     for warning in &geometry.warnings {
@@ -41,7 +41,16 @@ pub fn run(context: &Context, args: &InfoArgs) -> Result<Report> {
     let mut text = String::new();
     let facts = describe_model(&mut text, &input.model, &geometry, split.as_ref());
     let plan = describe_plan(&mut text, &plan, &args.view);
-    Ok(Report::new(text, json!({ "model": facts, "plan": plan })))
+    let bake = match &split {
+        Ok(split) if args.view.iter().any(|v| v.needs_bake()) => {
+            describe_bake(&mut text, &Recipe::new(&geometry, split, &settings)?)
+        }
+        _ => Value::Null,
+    };
+    Ok(Report::new(
+        text,
+        json!({ "model": facts, "plan": plan, "bake": bake }),
+    ))
 }
 
 /// Stand-ins for results of a bake: a plan asks how many there are, never what they say.
@@ -242,6 +251,28 @@ fn describe_plan(text: &mut String, plan: &Plan, views: &[View]) -> Value {
         "views": names, "bytes": plan.bytes(), "passes": passes.collect::<Value>(),
         "resources": resources,
     })
+}
+
+/// What a bake would run and allocate; the implicit surface's size is only known in it.
+fn describe_bake(text: &mut String, recipe: &Recipe) -> Value {
+    let bytes = recipe.bytes();
+    let _ = writeln!(
+        text,
+        "\nbake: {} passes, {} on the device\n",
+        recipe.passes.len(),
+        human_bytes(bytes)
+    );
+    let mut table = Table::new(&["resource of the bake", "bytes"]);
+    for resource in &recipe.resources {
+        let bytes = human_bytes(resource.bytes);
+        let at_least = if resource.exact { "" } else { "at least " };
+        table.row(&[&resource.name, &format!("{at_least}{bytes}")]);
+    }
+    let _ = write!(text, "{table}");
+    let resources = recipe.resources.iter();
+    let resources =
+        resources.map(|r| json!({ "name": r.name, "bytes": r.bytes, "exact": r.exact }));
+    json!({ "bytes": bytes, "passes": recipe.passes, "resources": resources.collect::<Value>() })
 }
 
 fn device(context: &Context) -> Result<Report> {
