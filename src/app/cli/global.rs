@@ -30,7 +30,7 @@ pub struct GlobalArgs {
     /// Say more (twice: everything)
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
-    /// Say nothing but errors
+    /// Print results and errors, and nothing else
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
 }
