@@ -123,6 +123,8 @@ abi! {
         BOX_CHILDREN: u32 = 8;
         /// Neighbouring queries that one invocation of `nearest.comp` takes at once.
         NEAREST_QUERIES: u32 = 16;
+        /// Generators that `exact.comp` adds in one round of its loop.
+        EXACT_BATCH: u32 = 8;
         /// Newton steps onto the surface at most (`exact.comp`).
         EXACT_NEWTON_STEPS: u32 = 20;
         /// Descent steps along the surface at most (`exact.comp`).

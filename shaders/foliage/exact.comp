@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 #include "abi.glsl"
 #include "dispatch.glsl"
 #include "bins.glsl"
@@ -40,13 +41,17 @@ vec4 field(vec3 q) {
             ivec2 xs = bin_range(q.x, q.x, support, push.bin_origin.x, inverse_edge, push.bins.x);
             uint row = push.bins.x * (uint(y) + push.bins.y * uint(z));
             uint last = bin_first[row + uint(xs.y) + 1u];
-            for (uint i = bin_first[row + uint(xs.x)]; i < last; ++i) {
-                vec4 g = generator(i);
-                vec3 d = (q - g.xyz) * inverse_radius;
-                float t = max(1.0 - squared_length(d, NORM), 0.0);
-                float wt = g.w * g.w * t;
-                density = fma(wt, t, density);
-                gradient = fma(vec3(wt), outward(d, NORM), gradient);
+            // Several at a time: Mesa's software driver ends the loops of an invocation, all
+            // together, after 65,535 rounds.
+            for (uint i = bin_first[row + uint(xs.x)]; i < last; i += EXACT_BATCH) {
+                [[unroll]] for (uint k = 0u; k < EXACT_BATCH; ++k) {
+                    vec4 g = generator(min(i + k, last - 1u));
+                    vec3 d = (q - g.xyz) * inverse_radius;
+                    float t = max(1.0 - squared_length(d, NORM), 0.0);
+                    float wt = i + k < last ? g.w * g.w * t : 0.0;
+                    density = fma(wt, t, density);
+                    gradient = fma(vec3(wt), outward(d, NORM), gradient);
+                }
             }
         }
     }

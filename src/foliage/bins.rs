@@ -118,6 +118,42 @@ pub(super) fn bin(
     Ok(Binned { first, places })
 }
 
+/// Most points in any box of `window` bins, from the bins' first points (rows, x fastest).
+///
+/// Summed-area table (Crow 1984) in three dimensions.
+pub(super) fn most_in_window(first: &[u32], bins: [u32; 3], window: [u32; 3]) -> u64 {
+    let [nx, ny, nz] = bins.map(|b| b as usize);
+    let at = |x: usize, y: usize, z: usize| x + (nx + 1) * (y + (ny + 1) * z);
+    let mut sums = vec![0u64; (nx + 1) * (ny + 1) * (nz + 1)];
+    for z in 0..nz {
+        for y in 0..ny {
+            let mut row = 0;
+            for x in 0..nx {
+                let bin = x + nx * (y + ny * z);
+                row += u64::from(first[bin + 1] - first[bin]);
+                sums[at(x + 1, y + 1, z + 1)] =
+                    row + sums[at(x + 1, y, z + 1)] + sums[at(x + 1, y + 1, z)]
+                        - sums[at(x + 1, y, z)];
+            }
+        }
+    }
+    let [wx, wy, wz] = [0, 1, 2].map(|a| window[a].min(bins[a]) as usize);
+    let mut most = 0;
+    for z in wz..=nz {
+        for y in wy..=ny {
+            for x in wx..=nx {
+                let s = |a: usize, b: usize, c: usize| sums[at(a, b, c)];
+                let plus =
+                    s(x, y, z) + s(x - wx, y - wy, z) + s(x - wx, y, z - wz) + s(x, y - wy, z - wz);
+                let minus =
+                    s(x - wx, y, z) + s(x, y - wy, z) + s(x, y, z - wz) + s(x - wx, y - wy, z - wz);
+                most = most.max(plus - minus);
+            }
+        }
+    }
+    most
+}
+
 /// Exclusive prefix sum of `count` words, closed by the total.
 pub(super) fn scan(
     r: &mut Recorder<'_>,
@@ -159,4 +195,18 @@ pub(super) fn scan(
         chunks,
     )?;
     Ok(firsts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::most_in_window;
+
+    #[test]
+    fn the_fullest_window_is_found() {
+        // 3 x 2 x 1 bins with 1, 0, 5 / 2, 7, 0 points.
+        let first = [0, 1, 1, 6, 8, 15, 15];
+        assert_eq!(most_in_window(&first, [3, 2, 1], [1, 1, 1]), 7);
+        assert_eq!(most_in_window(&first, [3, 2, 1], [2, 2, 1]), 12);
+        assert_eq!(most_in_window(&first, [3, 2, 1], [9, 9, 9]), 15);
+    }
 }

@@ -1,11 +1,11 @@
 //! Generators of the density field on the device (Luft, Balzer, Deussen 2007, section 3.1).
 
-use super::bins::{BinGrid, Binned, bin};
+use super::bins::{BinGrid, Binned, bin, most_in_window};
 use super::recorder::{Picture, Recorder, Store, Use};
 use super::split::Leaves;
-use crate::Result;
 use crate::abi;
 use crate::gpu::shaders::foliage as shaders;
+use crate::{Error, Result};
 
 /// Centres and areas of all generators, unsorted.
 #[derive(Debug)]
@@ -63,6 +63,11 @@ pub(super) fn generators(
     })
 }
 
+/// Generators that one sum may have: Mesa's software driver ends the loops of an invocation, all
+/// together, after 65,535 rounds, and `FIELD_SLOTS` invocations share a sum; the rest is for the
+/// rows of bins.
+const MOST_IN_REACH: u64 = 60_000 * abi::FIELD_SLOTS as u64;
+
 /// Generators in bin order, their numbers only.
 #[derive(Debug)]
 pub(super) struct BinnedGenerators {
@@ -73,9 +78,18 @@ pub(super) struct BinnedGenerators {
 
 impl Generators {
     /// Sorts the generators into `grid`, ascending inside a bin.
-    pub(super) fn bin(&self, r: &mut Recorder<'_>, grid: BinGrid) -> Result<BinnedGenerators> {
+    ///
+    /// # Errors
+    /// When more than [`MOST_IN_REACH`] of them may act on one point within `reach`.
+    pub(super) fn bin(
+        &self,
+        r: &mut Recorder<'_>,
+        grid: BinGrid,
+        reach: f32,
+    ) -> Result<BinnedGenerators> {
         let binned = bin(r, "generator", &self.centres, self.count, &grid)?;
         let sorted = r.array::<u32>("generator order", self.count)?;
+        self.check_reach(r, &grid, &binned, reach)?;
         let push = grid.push(self.count, 0.0);
         r.compute(
             "emit generators",
@@ -103,6 +117,30 @@ impl Generators {
     }
 
     /// The image that the field kernels fetch: weights as they are, or areas times `area_scale`.
+    /// Refuses what would silently be summed short (see [`MOST_IN_REACH`]).
+    fn check_reach(
+        &self,
+        r: &mut Recorder<'_>,
+        grid: &BinGrid,
+        binned: &Binned,
+        reach: f32,
+    ) -> Result<()> {
+        if self.count <= MOST_IN_REACH as usize || r.is_plan() {
+            return Ok(());
+        }
+        let first = r.fetch::<u32>("generator firsts", &binned.first, Vec::new)?;
+        // Both sides of a point or a small block of them, with the bins that are cut.
+        let window = (2.0 * f64::from(reach) / f64::from(grid.edge)).ceil() as u32 + 3;
+        let most = most_in_window(&first, grid.bins, [window; 3]);
+        if most > MOST_IN_REACH {
+            return Err(Error::Unsupported(format!(
+                "{most} generators lie within one radius of influence, at most {MOST_IN_REACH} can \
+                 be summed; try a smaller radius (rho, rho_ambient) or a fraction of the generators"
+            )));
+        }
+        Ok(())
+    }
+
     pub(super) fn texels(
         &self,
         r: &mut Recorder<'_>,

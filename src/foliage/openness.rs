@@ -84,7 +84,7 @@ fn leaf_area(
         generators.count,
     )?;
     let bins = BinGrid::for_generators(scene.frame.half, generators.count, &[radius]);
-    let binned = generators.bin(r, bins)?;
+    let binned = generators.bin(r, bins, radius)?;
     let unit_integral = 1.0 / (KERNEL_VOLUME * f64::from(radius).powi(3));
     let field = Field {
         generators: &generators.texels(r, &binned, unit_integral as f32)?,

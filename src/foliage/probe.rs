@@ -68,7 +68,7 @@ pub fn surface(gpu: &Gpu, q: &SurfaceQuestion<'_>) -> Result<SurfaceAnswer> {
     };
     let bins = BinGrid::for_generators(q.half, count, &[q.radius]);
     let sorted = {
-        let binned = generators.bin(r, bins)?;
+        let binned = generators.bin(r, bins, q.radius)?;
         generators.texels(r, &binned, 0.0)?
     };
     let field = Field {
@@ -106,4 +106,58 @@ pub fn surface(gpu: &Gpu, q: &SurfaceQuestion<'_>) -> Result<SurfaceAnswer> {
     nearest::exact(r, (&field, q.tau), &device, &queries, &by_face, &face)?;
     answer.exact = r.fetch("exact normals", &face, Vec::new)?;
     Ok(answer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{GpuOptions, Validation};
+
+    /// Software drivers end long loops silently: too many generators in one place are refused,
+    /// never summed short.
+    #[test]
+    fn a_million_coincident_generators_are_refused_and_what_is_allowed_is_summed() {
+        let options = GpuOptions {
+            validation: Validation::Required,
+            ..Default::default()
+        };
+        let gpu = Gpu::new(&options).expect("a driver and the validation layer");
+        let question = |generators| SurfaceQuestion {
+            generators,
+            half: DVec3::splat(0.05),
+            radius: 0.1,
+            norm: Norm::Euclidean,
+            cells: 8,
+            tau: 1e9,
+            normals: SurfaceNormals::Faces,
+            queries: &[],
+        };
+        let many = vec![[0.0f32, 0.0, 0.0, 1.0]; 1_000_000];
+        let error = surface(&gpu, &question(&many)).expect_err("too many in one place");
+        assert!(
+            error.to_string().contains("1000000 generators lie within"),
+            "{error}"
+        );
+        assert_eq!(error.exit_code(), 2);
+        let allowed = 400_000;
+        let answer = surface(&gpu, &question(&many[..allowed])).expect("within the bound");
+        let most = answer.density.iter().copied().fold(0.0, f32::max);
+        let nearest = answer.density.iter().zip(0u32..).map(|(&d, i)| {
+            let [nx, ny, _] = answer.grid.nodes;
+            let node = [i % nx, i / nx % ny, i / (nx * ny)];
+            let q = [0, 1, 2].map(|a| {
+                f64::from(answer.grid.origin[a]) + f64::from(answer.grid.cell) * f64::from(node[a])
+            });
+            let s = q.iter().map(|c| c * c).sum::<f64>() / 0.01;
+            let expected = if s < 1.0 {
+                allowed as f64 * (1.0 - s).powi(2)
+            } else {
+                0.0
+            };
+            (f64::from(d) - expected).abs()
+        });
+        let worst = nearest.fold(0.0, f64::max);
+        assert!(most > 0.5 * allowed as f32, "the middle is full: {most}");
+        assert!(worst < 1e-4 * f64::from(most), "{worst} of {most}");
+    }
 }

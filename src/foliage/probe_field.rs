@@ -53,7 +53,7 @@ impl FieldInput<'_> {
             areas: r.upload("areas", &vec![0.0f32; count])?,
         };
         let grid = BinGrid::for_generators(self.half, count, &[self.radius]);
-        let binned = all.bin(r, grid)?;
+        let binned = all.bin(r, grid, self.radius)?;
         all.texels(r, &binned, 0.0)
     }
 

@@ -304,7 +304,14 @@ fn sources(
         radii.push(settings.rho_ambient);
     }
     let grid = BinGrid::for_generators(frame.half, generators.count, &radii);
-    let binned: BinnedGenerators = generators.bin(r, grid)?;
+    // The modes of the field look again, or also, at twice the radius.
+    let largest = radii.iter().copied().fold(0.0, f32::max);
+    let reach = if settings.needs_surface() {
+        largest
+    } else {
+        2.0 * largest
+    };
+    let binned: BinnedGenerators = generators.bin(r, grid, reach)?;
     let weights = match needs.field {
         true => Some(generators.texels(r, &binned, 0.0)?),
         false => None,
