@@ -33,10 +33,6 @@ struct Block {
     vec3 query[NEAREST_QUERIES];
     float squared[NEAREST_QUERIES];
     uint number[NEAREST_QUERIES];
-    vec3 low;
-    vec3 high;
-    // Largest of `squared`: nothing farther than this from the block can matter.
-    float reach;
 };
 
 vec3 corner(uint triangle, uint k) {
@@ -70,16 +66,17 @@ void consider(inout Block block, uint leaf) {
             block.number[k] = better ? candidate : block.number[k];
         }
     }
-    block.reach = 0.0;
-    [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
-        block.reach = max(block.reach, block.squared[k]);
-    }
 }
 
-// Squared distance between the block and a box, rounded down.
-float gap_squared(vec3 low, vec3 high, uint box) {
-    vec3 d = max(max(boxes[2u * box] - high, low - boxes[2u * box + 1u]), vec3(0.0));
-    return dot(d, d) * (1.0 - 1e-5);
+// Whether a box may hold something nearer to any of the queries.
+bool matters(Block block, uint box) {
+    vec3 low = boxes[2u * box];
+    vec3 high = boxes[2u * box + 1u];
+    bool any_nearer = false;
+    [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
+        any_nearer = any_nearer || box_distance_squared(block.query[k], low, high) <= block.squared[k];
+    }
+    return any_nearer;
 }
 
 // The leaf that is nearest to the block's centre at every level on the way down.
@@ -110,7 +107,7 @@ void search(inout Block block) {
     while (true) {
         uvec2 here = levels[level - 1u];
         uint end = level == push.root_level ? push.root_last : here.y;
-        bool open = box < end && gap_squared(block.low, block.high, here.x + box) <= block.reach;
+        bool open = box < end && matters(block, here.x + box);
         if (open && level > 1u) {
             level -= 1u;
             box *= BOX_CHILDREN;
@@ -146,9 +143,8 @@ void main() {
         return;
     }
     Block block;
-    block.low = queries[first].xyz;
-    block.high = block.low;
-    block.reach = 0.0;
+    vec3 low = queries[first].xyz;
+    vec3 high = low;
     [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
         // The last block repeats its last query.
         vec4 query = queries[min(first + k, push.count - 1u)];
@@ -160,12 +156,11 @@ void main() {
             block.number[k] = floatBitsToUint(known.x);
             block.squared[k] = known_squared(query.xyz, block.number[k], known.yzw);
         }
-        block.reach = max(block.reach, block.squared[k]);
-        block.low = min(block.low, query.xyz);
-        block.high = max(block.high, query.xyz);
+        low = min(low, query.xyz);
+        high = max(high, query.xyz);
     }
     if (push.continues == 0u) {
-        consider(block, first_leaf(0.5 * (block.low + block.high)));
+        consider(block, first_leaf(0.5 * (low + high)));
     }
     search(block);
     for (uint k = 0u; k < NEAREST_QUERIES && first + k < push.count; ++k) {
