@@ -181,6 +181,10 @@ pub struct Settings {
     pub primitive: Primitive,
     /// Share of the generators that is used, in (0,1].
     pub fraction: f32,
+    /// Generators at most, >= 1; with more the share is lowered to keep this number. In one crown
+    /// every vertex meets a fixed share of the generators, so that without a bound time grows
+    /// with the square of the leaves.
+    pub most_generators: u32,
     /// How that share is chosen.
     pub sampling: Sampling,
     /// Seed of `sampling`.
@@ -226,6 +230,7 @@ impl Default for Settings {
         Self {
             primitive: Primitive::Leaf,
             fraction: 1.0,
+            most_generators: 10_000,
             sampling: Sampling::Stratified,
             seed: 1,
             norm: Norm::Euclidean,
@@ -342,6 +347,7 @@ mod tests {
             ("cells", "100000"),
             ("fraction", "0"),
             ("fraction", "1.5"),
+            ("most_generators", "0"),
             ("k_min", "2"),
             ("exponent", "0"),
             ("blend", "-1"),

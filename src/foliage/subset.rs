@@ -19,13 +19,14 @@ struct Point {
     area: f64,
 }
 
-/// About `fraction` of the generators, never none.
+/// About `fraction` of the generators and at most `most_generators`, never none.
 pub(super) fn subset(
     r: &mut Recorder<'_>,
     all: Generators,
     settings: &Settings,
 ) -> Result<Generators> {
-    let fraction = f64::from(settings.fraction);
+    let bound = f64::from(settings.most_generators) / all.count.max(1) as f64;
+    let fraction = f64::from(settings.fraction).min(bound);
     if fraction >= 1.0 || all.count < 2 {
         return Ok(all);
     }

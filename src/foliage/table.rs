@@ -122,6 +122,16 @@ pub const SETTINGS: &[SettingInfo] = &[
         "1"
     ),
     setting!(
+        most_generators,
+        "generators",
+        "1 .. 2^32-1",
+        number,
+        |v: u32| v >= 1,
+        "generators at most: beyond, the fraction is lowered to keep them",
+        "time, which otherwise grows with the square of the leaves, against the direction of the normals",
+        "any number that is not below the number of leaves"
+    ),
+    setting!(
         sampling,
         "",
         "stratified, plain",
