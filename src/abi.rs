@@ -122,7 +122,7 @@ abi! {
         /// Items or boxes in one box of the hierarchy over the implicit surface.
         BOX_CHILDREN: u32 = 8;
         /// Neighbouring queries that one invocation of `nearest.comp` takes at once.
-        NEAREST_QUERIES: u32 = 16;
+        NEAREST_QUERIES: u32 = 32;
         /// Generators that `exact.comp` adds in one round of its loop.
         EXACT_BATCH: u32 = 8;
         /// Newton steps onto the surface at most (`exact.comp`).
