@@ -121,7 +121,10 @@ abi! {
         ENCODING_PACKED8: u32 = 2;
         /// Items or boxes in one box of the hierarchy over the implicit surface.
         BOX_CHILDREN: u32 = 8;
-        /// Neighbouring queries that one invocation of `nearest.comp` takes at once.
+        /// Neighbouring queries that one invocation of `nearest.comp` takes at once, of triangles:
+        /// their code is long, and drivers take seconds to compile it for more.
+        NEAREST_FACE_QUERIES: u32 = 8;
+        /// Neighbouring queries that one invocation of `nearest.comp` takes at once, of vertices.
         NEAREST_QUERIES: u32 = 32;
         /// Generators that `exact.comp` adds in one round of its loop.
         EXACT_BATCH: u32 = 8;

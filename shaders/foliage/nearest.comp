@@ -8,7 +8,7 @@
 
 // Nearest vertex (or point of a triangle) of the surface, exactly: of equals the lowest number.
 //
-// An invocation takes a block of NEAREST_QUERIES neighbours in Morton order at once: one load of
+// An invocation takes a block of BLOCK_SIZE neighbours in Morton order at once: one load of
 // an item serves them all. What lies in the leaf nearest to the block bounds the search. The
 // hierarchy is walked in order without a stack: after a box comes its first child if it may hold
 // something nearer to any of the queries, else the next box that has not been passed.
@@ -19,6 +19,7 @@
 
 layout(local_size_x = GROUP_1D) in;
 layout(constant_id = 0) const uint FACES = 0;
+layout(constant_id = 1) const uint BLOCK_SIZE = NEAREST_QUERIES;
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Queries { vec4 queries[]; };
 layout(set = 0, binding = 1, scalar) restrict readonly buffer Items { vec4 items[]; };
 layout(set = 0, binding = 2, scalar) restrict readonly buffer Vertices { vec4 vertices[]; };
@@ -30,9 +31,9 @@ layout(push_constant, scalar) uniform Push { NearestQueries push; };
 
 // The block with what is nearest so far.
 struct Block {
-    vec3 query[NEAREST_QUERIES];
-    float squared[NEAREST_QUERIES];
-    uint number[NEAREST_QUERIES];
+    vec3 query[BLOCK_SIZE];
+    float squared[BLOCK_SIZE];
+    uint number[BLOCK_SIZE];
 };
 
 vec3 corner(uint triangle, uint k) {
@@ -53,7 +54,7 @@ void consider(inout Block block, uint leaf) {
             b = corner(candidate, 1u);
             c = corner(candidate, 2u);
         }
-        [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
+        [[unroll]] for (uint k = 0u; k < BLOCK_SIZE; ++k) {
             vec3 p = a;
             if (FACES != 0u) {
                 vec3 weights = closest_on_triangle(block.query[k], a, b, c);
@@ -73,7 +74,7 @@ bool matters(Block block, uint box) {
     vec3 low = boxes[2u * box];
     vec3 high = boxes[2u * box + 1u];
     bool any_nearer = false;
-    [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
+    [[unroll]] for (uint k = 0u; k < BLOCK_SIZE; ++k) {
         any_nearer = any_nearer || box_distance_squared(block.query[k], low, high) <= block.squared[k];
     }
     return any_nearer;
@@ -138,14 +139,14 @@ float known_squared(vec3 q, uint number, vec3 weights) {
 }
 
 void main() {
-    uint first = flat_invocation() * NEAREST_QUERIES;
+    uint first = flat_invocation() * BLOCK_SIZE;
     if (first >= push.count) {
         return;
     }
     Block block;
     vec3 low = queries[first].xyz;
     vec3 high = low;
-    [[unroll]] for (uint k = 0u; k < NEAREST_QUERIES; ++k) {
+    [[unroll]] for (uint k = 0u; k < BLOCK_SIZE; ++k) {
         // The last block repeats its last query.
         vec4 query = queries[min(first + k, push.count - 1u)];
         block.query[k] = query.xyz;
@@ -163,7 +164,7 @@ void main() {
         consider(block, first_leaf(0.5 * (low + high)));
     }
     search(block);
-    for (uint k = 0u; k < NEAREST_QUERIES && first + k < push.count; ++k) {
+    for (uint k = 0u; k < BLOCK_SIZE && first + k < push.count; ++k) {
         uint number = block.number[k];
         vec3 weights = vec3(1.0, 0.0, 0.0);
         if (FACES != 0u) {

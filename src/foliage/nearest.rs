@@ -24,6 +24,14 @@ pub(super) enum Target {
 }
 
 impl Target {
+    /// Queries that one invocation takes.
+    fn block(self) -> u32 {
+        match self {
+            Self::Vertices => abi::NEAREST_QUERIES,
+            Self::Faces => abi::NEAREST_FACE_QUERIES,
+        }
+    }
+
     fn constant(self) -> u32 {
         u32::from(self == Self::Faces)
     }
@@ -127,7 +135,7 @@ pub(super) fn nearest(
             "nearest",
             Kernel {
                 shader: shaders::NEAREST_COMP,
-                constants: &constants,
+                constants: &[constants[0], (1, target.block())],
             },
             &[
                 Use::Read(&queries.sorted),
@@ -147,7 +155,7 @@ pub(super) fn nearest(
                 root_last: roots.last,
                 continues: u32::from(slice > 0),
             },
-            queries.count.div_ceil(abi::NEAREST_QUERIES as usize),
+            queries.count.div_ceil(target.block() as usize),
         )?;
     }
     Ok(Nearest { target, found })
