@@ -24,6 +24,7 @@ mod model_fixture;
 mod models;
 mod models_damage;
 mod place;
+mod properties;
 mod render_frame;
 mod render_plan;
 mod small_model;

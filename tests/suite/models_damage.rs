@@ -8,6 +8,7 @@ use umbrage::scene::import::{LoadOptions, load};
 use umbrage::scene::{Geometry, Model};
 
 use crate::model_fixture::{add, everything, floats, read, read_bytes, triangle};
+use crate::properties::repeatable;
 
 #[test]
 fn every_damage_has_a_message_that_names_the_object() {
@@ -231,8 +232,61 @@ fn bake_and_read_again(model: &Model) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Values that no member expects everywhere.
+fn wrong_values() -> [Value; 26] {
+    [
+        json!(null),
+        json!(true),
+        json!(-1),
+        json!(0),
+        json!(1),
+        json!(2),
+        json!(3.0),
+        json!(0.5),
+        json!(7),
+        json!(255),
+        json!(65535),
+        json!(4_294_967_295u64),
+        json!(u64::MAX),
+        json!(1e300),
+        json!("x"),
+        json!([]),
+        json!([0]),
+        json!([0, 0, 0, 0]),
+        json!({}),
+        json!({"index": 0}),
+        json!(5120),
+        json!(5123),
+        json!(5125),
+        json!(5126),
+        json!("VEC3"),
+        json!("MAT4"),
+    ]
+}
+
+/// Every wrong value in every place, one at a time.
+#[test]
+fn no_single_wrong_value_makes_a_file_that_cannot_be_read_again() {
+    let whole = everything();
+    let mut places = Vec::new();
+    pointers(&whole, String::new(), &mut places);
+    let (mut tried, mut readable) = (0, 0);
+    for place in &places {
+        for value in wrong_values() {
+            let mut doc = whole.clone();
+            *doc.pointer_mut(place).unwrap() = value.clone();
+            tried += 1;
+            if let Ok(model) = read(&doc) {
+                readable += 1;
+                bake_and_read_again(&model).unwrap_or_else(|e| panic!("{place} = {value}: {e}"));
+            }
+        }
+    }
+    assert!(readable > tried / 10, "{readable} of {tried} were read");
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(repeatable(600))]
 
     /// Random damage gives a model or a message, never a panic.
     #[test]
@@ -267,12 +321,7 @@ proptest! {
             let mut places = Vec::new();
             pointers(&doc, String::new(), &mut places);
             let place = &places[place.index(places.len())];
-            let values = [
-                json!(null), json!(true), json!(-1), json!(0), json!(1), json!(2), json!(3.0), json!(0.5),
-                json!(7), json!(255), json!(65535), json!(4_294_967_295u64), json!(u64::MAX), json!(1e300),
-                json!("x"), json!([]), json!([0]), json!([0, 0, 0, 0]), json!({}), json!({"index": 0}),
-                json!(5120), json!(5123), json!(5125), json!(5126), json!("VEC3"), json!("MAT4"),
-            ];
+            let values = wrong_values();
             *doc.pointer_mut(place).unwrap() = values[value.index(values.len())].clone();
         }
         if let Ok(model) = read(&doc) {

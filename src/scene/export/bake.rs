@@ -160,16 +160,12 @@ impl Editor<'_> {
             color[c] = a;
         }
         // Float colours of the source stay floats; 8 and 16 bits both fit 16 bits exactly.
-        let old = self.json()["attributes"]
-            .get("COLOR_0")
-            .and_then(Value::as_u64);
-        let accessors = &self.output.json["accessors"];
-        let was_float = old.is_some_and(|i| {
-            accessors
-                .get(i as usize)
-                .and_then(|a| a.get("componentType"))
-                == Some(&json!(5126))
-        });
+        let old = integer(&self.json()["attributes"], "COLOR_0")
+            .ok()
+            .flatten();
+        let accessor = old.and_then(|i| self.output.json.get("accessors")?.get(i));
+        let component = accessor.and_then(|a| integer(a, "componentType").ok().flatten());
+        let was_float = component == Some(5126);
         if was_float {
             self.attribute("COLOR_0", &colors);
         } else {

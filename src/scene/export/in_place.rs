@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::scene::gltf_document::GltfDocument;
 use crate::scene::import::accessor::{Component, Layout, Source};
-use crate::scene::import::json::as_integer;
+use crate::scene::import::json::{as_integer, index, integer};
 
 /// Use of the accessors of a source document.
 #[derive(Debug)]
@@ -45,13 +45,12 @@ impl Usage {
         let views = list("bufferViews");
         let mut by_accessor = vec![false; views.len()];
         for a in accessors {
-            let view = a.get("bufferView").and_then(Value::as_u64);
-            if let Some(used) = view.and_then(|v| by_accessor.get_mut(v as usize)) {
-                *used = true;
+            if let Ok(Some(view)) = index(a, "bufferView", views.len()) {
+                by_accessor[view] = true;
             }
         }
         let range = |v: &Value| {
-            let get = |key: &str| v.get(key).and_then(Value::as_u64).map(|n| n as usize);
+            let get = |key: &str| integer(v, key).ok().flatten();
             let start = get("byteOffset").unwrap_or(0);
             Some((
                 get("buffer")?,

@@ -4,6 +4,7 @@ use bytemuck::Pod;
 use serde_json::{Map, Value, json};
 
 use crate::scene::gltf_document::GltfDocument;
+use crate::scene::import::json::{index, integer};
 use crate::scene::model::{ImageSource, Model};
 use crate::scene::textures::media_type;
 use crate::{Error, Result};
@@ -53,11 +54,9 @@ impl Output {
 
     /// Points a view of the source into the one buffer.
     fn adopt(&mut self, view: &mut Value, buffers: &[Vec<u8>]) {
-        let buffer = view.get("buffer").and_then(Value::as_u64);
-        let Some((i, bytes)) = buffer.and_then(|b| {
-            let i = usize::try_from(b).ok()?;
-            Some((i, buffers.get(i)?))
-        }) else {
+        // As the reader sees it: some writers say `3.0`.
+        let buffer = index(view, "buffer", buffers.len()).ok().flatten();
+        let Some((i, bytes)) = buffer.map(|i| (i, &buffers[i])) else {
             return;
         };
         if self.bases[i].is_none() {
@@ -68,8 +67,8 @@ impl Output {
         let base = self.bases[i].unwrap_or(0);
         view["buffer"] = json!(0);
         if base > 0 {
-            let offset = view.get("byteOffset").and_then(Value::as_u64).unwrap_or(0);
-            view["byteOffset"] = json!(offset.saturating_add(base as u64));
+            let offset = integer(view, "byteOffset").ok().flatten().unwrap_or(0);
+            view["byteOffset"] = json!(offset.saturating_add(base));
         }
     }
 

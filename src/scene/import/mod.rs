@@ -35,13 +35,23 @@ pub struct LoadOptions {
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Model> {
     let path = path.as_ref();
     let bytes = std::fs::read(path).map_err(|e| Error::file(path, format!("cannot read: {e}")))?;
+    from_bytes(&bytes, path, options)
+}
+
+/// Reads a model that is in memory already. `path` names it in messages, and its folder is
+/// where the other files of the model are looked for.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_bytes(bytes: &[u8], path: impl AsRef<Path>, options: &LoadOptions) -> Result<Model> {
+    let path = path.as_ref();
     let is_obj = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-    let model = if container::is_glb(&bytes) || container::is_json(&bytes) {
-        gltf::read(&bytes, path, options)
+    let model = if container::is_glb(bytes) || container::is_json(bytes) {
+        gltf::read(bytes, path, options)
     } else if is_obj {
-        obj::read(&bytes, path, options)
+        obj::read(bytes, path, options)
     } else if bytes.is_empty() {
         Err("the file is empty".into())
     } else {
