@@ -4,5 +4,5 @@ set -euo pipefail
 output=$(realpath -m "${1:-picture.png}")
 cd "$(dirname "$0")/.."
 scripts/setup.sh
-cargo run --release --quiet -- render --output "$output"
+cargo run --release -- render --output "$output"
 echo "$output"
