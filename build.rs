@@ -12,6 +12,7 @@ use std::{env, fs};
 #[expect(
     dead_code,
     unreachable_pub,
+    unused_imports,
     reason = "the build script uses only the GLSL half of the shared file"
 )]
 #[path = "src/abi.rs"]

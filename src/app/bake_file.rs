@@ -10,7 +10,7 @@ use crate::foliage::bake::{Bake, Stats};
 /// Bakes in the cache. Raise the version when the form or the meaning of a bake changes.
 pub const KIND: Kind = Kind {
     tag: *b"bake",
-    version: 1,
+    version: 2,
 };
 
 /// The bytes of `bake`.
@@ -31,6 +31,7 @@ pub fn to_bytes(bake: &Bake) -> Vec<u8> {
         s.surface_triangles,
         s.wide_fallbacks,
         s.kept_normals,
+        s.unsettled_normals,
     ] {
         out.extend_from_slice(&(count as u64).to_le_bytes());
     }
@@ -57,6 +58,7 @@ pub fn from_bytes(bytes: &[u8]) -> Option<Bake> {
         surface_triangles: reader.count()?,
         wide_fallbacks: reader.count()?,
         kept_normals: reader.count()?,
+        unsettled_normals: reader.count()?,
         diagonal: f64::from_le_bytes(reader.array()?),
         tau: f32::from_le_bytes(reader.array()?),
         tau_ambient: f32::from_le_bytes(reader.array()?),

@@ -50,12 +50,14 @@ pub struct Stats {
     pub wide_fallbacks: usize,
     /// Vertices that kept their own normal because there was no direction at all.
     pub kept_normals: usize,
+    /// Vertices of mode `exact` that had not come to rest after the most steps.
+    pub unsettled_normals: usize,
 }
 
 /// Passes and memory of a bake, known before it runs.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Recipe {
-    /// Labels of the passes, in order.
+    /// Labels of the passes, in order; dispatches of one label in a row are one pass.
     pub passes: Vec<String>,
     /// Buffers and images, in the order of allocation.
     pub resources: Vec<PlannedResource>,
@@ -116,6 +118,15 @@ impl Bake {
                 "{} of {} foliage vertices keep their own normal: the field has no direction there",
                 bake.stats.kept_normals,
                 bake.stats.foliage_vertices
+            );
+        }
+        if bake.stats.unsettled_normals > 0 {
+            log::warn!(
+                "{} of {} foliage vertices have not come to rest on the surface: their normals are \
+                 those of the last of {} steps",
+                bake.stats.unsettled_normals,
+                bake.stats.foliage_vertices,
+                crate::abi::EXACT_DESCENT_STEPS
             );
         }
         Ok(Baked {

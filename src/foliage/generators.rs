@@ -20,6 +20,7 @@ pub(super) struct Generators {
 /// Generators sorted into bins, ready for the field kernels.
 #[derive(Debug)]
 pub(super) struct SortedGenerators {
+    pub(super) count: usize,
     pub(super) grid: BinGrid,
     /// First generator of every bin.
     pub(super) first: Store,
@@ -169,6 +170,7 @@ impl Generators {
             self.count,
         )?;
         Ok(SortedGenerators {
+            count: self.count,
             grid: binned.grid,
             first: binned.binned.first.clone(),
             texels,

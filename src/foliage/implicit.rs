@@ -113,7 +113,8 @@ pub(super) fn directions(
     let found = nearest::normals(r, &surface, &nearest, foliage.numbers.len())?;
     if s.normals == NormalsMode::Exact {
         let on = (&field, stats.tau);
-        nearest::exact(r, on, &surface, &foliage.queries, &nearest, &found)?;
+        stats.unsettled_normals =
+            nearest::exact(r, on, &surface, &foliage.queries, &nearest, &found)?;
     }
     Ok(found)
 }

@@ -10,9 +10,9 @@ use glam::DVec3;
 use super::field::{Field, Queries};
 use super::recorder::{Kernel, Recorder, Store, Use};
 use super::surface::DeviceSurface;
-use crate::Result;
 use crate::abi;
 use crate::gpu::shaders::foliage as shaders;
+use crate::{Error, Result};
 
 /// What is searched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -207,8 +207,24 @@ pub(super) fn normals(
     Ok(found)
 }
 
+/// Dispatches of `exact.comp` between two looks at how many queries are finished.
+const EXACT_DISPATCHES: u64 = 4;
+
+/// Dispatches after which `exact.comp` must have finished: every Newton and every descent step
+/// may sum over all generators, one turn sums `EXACT_ROUNDS` batches or empty rows.
+fn most_exact_dispatches(generators: usize, bins: usize) -> u64 {
+    let rounds = generators as u64 / u64::from(abi::EXACT_BATCH) + 2 * bins as u64;
+    let turns_per_sum = rounds / u64::from(abi::EXACT_ROUNDS) + 1;
+    let sums = u64::from(abi::EXACT_DESCENT_STEPS + 1) * u64::from(abi::EXACT_NEWTON_STEPS + 1);
+    sums * turns_per_sum / u64::from(abi::EXACT_TURNS) + EXACT_DISPATCHES
+}
+
 /// Replaces `directions` by the normals of F = 0 at its points nearest to the queries, sought
-/// from the nearest points of the triangles. Where the search does not arrive they stay.
+/// from the nearest points of the triangles. Where no point of F = 0 is found they stay. Returns
+/// how many queries took the most descent steps without coming to rest.
+///
+/// # Errors
+/// When queries are left after as many dispatches as all steps can take; a failing device.
 pub(super) fn exact(
     r: &mut Recorder<'_>,
     (field, tau): (&Field<'_>, f32),
@@ -216,38 +232,65 @@ pub(super) fn exact(
     queries: &Queries,
     nearest: &Nearest,
     directions: &Store,
-) -> Result<()> {
+) -> Result<usize> {
     assert_eq!(
         nearest.target,
         Target::Faces,
         "the search starts on the triangles"
     );
     let grid = &field.generators.grid;
-    r.compute(
-        "exact normals",
-        Kernel {
-            shader: shaders::EXACT_COMP,
-            constants: &[(0, field.norm.constant())],
-        },
-        &[
-            Use::Fetch(&field.generators.texels),
-            Use::Read(&field.generators.first),
-            Use::Read(&queries.sorted),
-            Use::Read(&nearest.found),
-            Use::Read(&surface.vertices),
-            Use::Read(&surface.indices),
-            Use::ReadWrite(directions),
-        ],
-        &abi::ExactQueries {
-            bin_origin: grid.origin,
-            bin_edge: grid.edge,
-            bins: grid.bins,
-            radius: field.radius,
-            count: queries.count as u32,
-            tau,
-        },
-        queries.count,
-    )
+    let states = r.array::<abi::ExactState>("exact states", queries.count)?;
+    let counters = r.array::<u32>("exact counters", 2)?;
+    r.fill("clear exact counters", &counters, 0)?;
+    let mut push = abi::ExactQueries {
+        bin_origin: grid.origin,
+        bin_edge: grid.edge,
+        bins: grid.bins,
+        radius: field.radius,
+        count: queries.count as u32,
+        tau,
+        continues: 0,
+    };
+    let most = most_exact_dispatches(field.generators.count, grid.len());
+    let mut dispatches = 0;
+    loop {
+        for _ in 0..EXACT_DISPATCHES {
+            r.compute(
+                "exact normals",
+                Kernel {
+                    shader: shaders::EXACT_COMP,
+                    constants: &[(0, field.norm.constant())],
+                },
+                &[
+                    Use::Fetch(&field.generators.texels),
+                    Use::Read(&field.generators.first),
+                    Use::Read(&queries.sorted),
+                    Use::Read(&nearest.found),
+                    Use::Read(&surface.vertices),
+                    Use::Read(&surface.indices),
+                    Use::ReadWrite(&states),
+                    Use::ReadWrite(directions),
+                    Use::ReadWrite(&counters),
+                ],
+                &push,
+                queries.count,
+            )?;
+            push.continues = 1;
+        }
+        dispatches += EXACT_DISPATCHES;
+        let counted = r.fetch::<u32>("exact counters", &counters, || vec![push.count, 0])?;
+        let left = queries.count - counted[0] as usize;
+        if left == 0 {
+            return Ok(counted[1] as usize);
+        }
+        if dispatches >= most {
+            return Err(Error::Unsupported(format!(
+                "exact normals: {left} of {} vertices are not finished after {dispatches} \
+                 dispatches, more than all steps take; try normals = face",
+                queries.count
+            )));
+        }
+    }
 }
 
 #[cfg(test)]

@@ -185,9 +185,16 @@ impl<'a> Recorder<'a> {
         });
     }
 
+    /// Dispatches in a row are one pass: how many it takes may only show when it runs.
+    fn pass(&mut self, label: &str) {
+        if self.passes.last().is_none_or(|last| last != label) {
+            self.passes.push(label.to_owned());
+        }
+    }
+
     /// Sets every word of a buffer.
     pub(super) fn fill(&mut self, label: &str, store: &Store, word: u32) -> Result<()> {
-        self.passes.push(label.to_owned());
+        self.pass(label);
         match self.work()? {
             Some(work) => work.fill(label, store.buffer.as_ref().expect("device"), word),
             None => Ok(()),
@@ -203,7 +210,7 @@ impl<'a> Recorder<'a> {
         push: &P,
         invocations: usize,
     ) -> Result<()> {
-        self.passes.push(label.to_owned());
+        self.pass(label);
         if self.is_plan() {
             return Ok(());
         }

@@ -151,7 +151,7 @@ fn report(
         "outputs": files, "foliage_vertices": s.foliage_vertices,
         "covered_vertices": s.covered_vertices, "generators": s.generators,
         "diagonal_m": s.diagonal, "tau": s.tau, "d_min": s.d_min,
-        "kept_normals": s.kept_normals, "times": timings.json(),
+        "kept_normals": s.kept_normals, "unsettled_normals": s.unsettled_normals, "times": timings.json(),
     });
     Report::new(text, json)
 }

@@ -86,6 +86,10 @@ pub(super) fn cases() -> Vec<Case> {
             name: "foliage.realign.exact",
             run: |gpu| directions(gpu, &cloud(Norm::Euclidean), |a| &a.exact, twin_exact),
         },
+        Case {
+            name: "foliage.realign.exact.crowded",
+            run: |gpu| directions(gpu, &crowded(), |a| &a.exact, twin_exact),
+        },
     ]
 }
 
@@ -152,6 +156,26 @@ fn fine() -> Blob {
     };
     blob.queries.truncate(60);
     blob
+}
+
+/// Thousands of generators in reach of every point, and a grid so coarse that the descent is long:
+/// drivers that end the loops of an invocation after so many rounds must not end it early.
+fn crowded() -> Blob {
+    let half = DVec3::new(0.3, 0.06, 0.05);
+    let point = |i: u32, w: f32| {
+        let [x, y, z] =
+            [0, 1, 2].map(|a| ((2.0 * uniform(9, 3 * i + a as u32) - 1.0) * half[a]) as f32);
+        [x, y, z, w]
+    };
+    Blob {
+        generators: (0..8000).map(|i| point(i, 1.0)).collect(),
+        half,
+        radius: 0.45,
+        tau: 600.0,
+        cells: 6,
+        queries: (8000..8016).map(|i| point(i, 0.0)).collect(),
+        ..ball()
+    }
 }
 
 impl Blob {
