@@ -11,7 +11,7 @@ layout(constant_id = 0) const uint ENCODING = ENCODING_PACKED16;
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Normals { vec3 normals[]; };
 layout(set = 0, binding = 1, scalar) restrict readonly buffer Ambient { float ambient[]; };
 layout(set = 0, binding = 2, scalar) restrict writeonly buffer Encoded { uint encoded[]; };
-layout(push_constant, scalar) uniform Push { Encode push; };
+layout(push_constant, scalar) uniform Push { Count push; };
 
 // Unit vector to the square [-1,1]^2 (Meyer et al. 2010, On Floating-Point Normal Vectors).
 vec2 encode_octahedral(vec3 n) {

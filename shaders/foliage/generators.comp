@@ -13,7 +13,7 @@ layout(set = 0, binding = 2, scalar) restrict readonly buffer LeafFirst { uint l
 layout(set = 0, binding = 3, scalar) restrict readonly buffer LeafTriangles { uint leaf_triangles[]; };
 layout(set = 0, binding = 4, scalar) restrict writeonly buffer Centres { vec4 centres[]; };
 layout(set = 0, binding = 5, scalar) restrict writeonly buffer Areas { float areas[]; };
-layout(push_constant, scalar) uniform Push { LeafCentres push; };
+layout(push_constant, scalar) uniform Push { Count push; };
 
 void main() {
     uint leaf = flat_invocation();

@@ -9,7 +9,7 @@
 layout(local_size_x = GROUP_1D) in;
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Shares { float shares[]; };
 layout(set = 0, binding = 1, scalar) restrict buffer Areas { float areas[]; };
-layout(push_constant, scalar) uniform Push { LeafShare push; };
+layout(push_constant, scalar) uniform Push { Count push; };
 
 void main() {
     uint i = flat_invocation();

@@ -75,6 +75,20 @@ abi! {
         EXACT_SEEK_FOUND: u32 = 3;
         /// Nothing is left to do.
         EXACT_DONE: u32 = 4;
+        /// Bits of the lattice on which voxels of subsets are laid.
+        SUBSET_LATTICE_BITS: u32 = 20;
+        /// Bits behind the point of positions while they are summed.
+        SUBSET_POSITION_BITS: u32 = 24;
+        /// Units of an area's high word per squared diagonal; the low word holds what is behind
+        /// the point.
+        SUBSET_AREA_HIGH: f32 = 4096.0;
+        /// Words of the sums of one voxel: three positions and the area of two each, the count.
+        SUBSET_SUM_WORDS: u32 = 9;
+        /// No generator.
+        SUBSET_NONE: u32 = 0xffff_ffff;
+        /// Places of the hash table that are looked at for one generator; the table is at most
+        /// half full.
+        SUBSET_PROBES: u32 = 4096;
         /// Newton steps onto the surface at most (`exact.comp`).
         EXACT_NEWTON_STEPS: u32 = 20;
         /// Descent steps along the surface at most (`exact.comp`).
@@ -186,12 +200,6 @@ abi! {
             next: u32,
         }
 
-        /// Push constants of `foliage/generators.comp`.
-        LeafCentres {
-            /// Leaves.
-            count: u32,
-        }
-
         /// Push constants of `foliage/scan_sums.comp` and `foliage/scan_apply.comp`.
         Scan {
             /// Values to add up.
@@ -232,12 +240,6 @@ abi! {
             bin_edge: f32,
             /// Bins per axis.
             bins: [u32; 3],
-        }
-
-        /// Push constants of `foliage/leaf_share.comp`.
-        LeafShare {
-            /// Triangles.
-            count: u32,
         }
 
         /// Push constants of `foliage/sky_depth.comp`.
@@ -326,10 +328,44 @@ abi! {
             exponent: f32,
         }
 
-        /// Push constants of `foliage/encode.comp`.
-        Encode {
-            /// Vertices.
+        /// The search for the size of voxels (`foliage/subset_voxels.comp`), by halving.
+        SubsetSearch {
+            /// Smallest size that may do.
+            low: u32,
+            /// Smallest size that is known to do.
+            high: u32,
+            /// Voxels of the size in between.
+            voxels: u32,
+            /// Generators for which the table had no place.
+            lost: u32,
+        }
+
+        /// Push constants of `foliage/subset_voxels.comp`.
+        SubsetVoxels {
+            /// Generators.
             count: u32,
+            /// Places of the hash table, a power of two, less one.
+            table_mask: u32,
+            /// Where the voxels begin, in 1/2048 of their edge.
+            shift: [u32; 3],
+        }
+
+        /// Push constants of `foliage/subset_draw.comp`.
+        SubsetDraw {
+            /// Generators.
+            count: u32,
+            /// `pcg` of the seed.
+            hashed_seed: u32,
+            /// Numbers below it are kept.
+            threshold: u32,
+        }
+
+        /// Push constants of `foliage/subset_emit.comp`.
+        SubsetEmit {
+            /// Generators.
+            count: u32,
+            /// How many each that is kept stands for.
+            scale: f32,
         }
     }
 }

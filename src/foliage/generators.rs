@@ -28,7 +28,13 @@ pub(super) struct SortedGenerators {
     pub(super) texels: Picture,
 }
 
+/// Triangles that one leaf may have, for the same reason as [`MOST_IN_REACH`].
+const MOST_IN_LEAF: u32 = 60_000;
+
 /// Computes centre of mass and area of every leaf of `points` (normalised, all vertices).
+///
+/// # Errors
+/// A leaf of more than [`MOST_IN_LEAF`] triangles; a failing device.
 pub(super) fn generators(
     r: &mut Recorder<'_>,
     points: &Store,
@@ -36,11 +42,17 @@ pub(super) fn generators(
     leaves: &Leaves,
 ) -> Result<Generators> {
     let count = leaves.len();
+    let most = leaves.first.windows(2).map(|w| w[1] - w[0]).max();
+    if let Some(most) = most.filter(|&most| most > MOST_IN_LEAF) {
+        return Err(Error::Unsupported(format!(
+            "a connected leaf of {most} triangles, at most {MOST_IN_LEAF} can be summed; \
+             try primitive = triangle"
+        )));
+    }
     let triangles = r.upload("foliage indices", indices)?;
     let first = r.upload("leaf firsts", &leaves.first)?;
     let order = r.upload("leaf triangles", &leaves.triangles)?;
-    let centres = r.array::<[f32; 4]>("generator centres", count)?;
-    let areas = r.array::<f32>("generator areas", count)?;
+    let generators = Generators::new(r, "generator", count)?;
     r.compute(
         "generators",
         shaders::GENERATORS_COMP,
@@ -49,19 +61,15 @@ pub(super) fn generators(
             Use::Read(&triangles),
             Use::Read(&first),
             Use::Read(&order),
-            Use::Write(&centres),
-            Use::Write(&areas),
+            Use::Write(&generators.centres),
+            Use::Write(&generators.areas),
         ],
-        &abi::LeafCentres {
+        &abi::Count {
             count: count as u32,
         },
         count,
     )?;
-    Ok(Generators {
-        count,
-        centres,
-        areas,
-    })
+    Ok(generators)
 }
 
 /// Generators that one sum may have: Mesa's software driver ends the loops of an invocation, all
@@ -78,6 +86,15 @@ pub(super) struct BinnedGenerators {
 }
 
 impl Generators {
+    /// Room for `count` of them.
+    pub(super) fn new(r: &mut Recorder<'_>, what: &str, count: usize) -> Result<Self> {
+        Ok(Self {
+            count,
+            centres: r.array::<[f32; 4]>(&format!("{what} centres"), count)?,
+            areas: r.array::<f32>(&format!("{what} areas"), count)?,
+        })
+    }
+
     /// Sorts the generators into `grid`, ascending inside a bin.
     ///
     /// # Errors

@@ -78,7 +78,7 @@ fn leaf_area(
         "leaf share",
         shaders::LEAF_SHARE_COMP,
         &[Use::Read(&shares), Use::ReadWrite(&generators.areas)],
-        &abi::LeafShare {
+        &abi::Count {
             count: generators.count as u32,
         },
         generators.count,

@@ -10,9 +10,10 @@ use super::field::{Field, NodeGrid, Queries};
 use super::generators::{self, Generators, SortedGenerators};
 use super::realign;
 use super::recorder::{Recorder, Store};
-use super::settings::{Encoding, Norm, Primitive};
+use super::settings::{Encoding, Norm, Primitive, Settings};
 use super::split::Leaves;
 use super::stages;
+use super::subset;
 use crate::Result;
 use crate::abi;
 use crate::gpu::Gpu;
@@ -138,6 +139,28 @@ pub fn areas(
     run(gpu, leaves.len(), |r| {
         Ok(mesh_generators(r, positions, indices, &leaves)?.areas)
     })
+}
+
+/// A subset of generators (position and weight 1, and area): position, weight and area of each.
+///
+/// # Errors
+/// A failing device.
+pub fn subset(
+    gpu: &Gpu,
+    (centres, areas): (&[[f32; 4]], &[f32]),
+    settings: &Settings,
+) -> Result<Vec<([f32; 4], f32)>> {
+    let mut silent = |_: &str, _: f32| {};
+    let mut r = Recorder::new(Some(gpu), &mut silent);
+    let all = Generators {
+        count: centres.len(),
+        centres: r.upload("centres", centres)?,
+        areas: r.upload("areas", areas)?,
+    };
+    let kept = subset::subset(&mut r, all, settings)?;
+    let centres = r.fetch::<[f32; 4]>("centres", &kept.centres, Vec::new)?;
+    let areas = r.fetch::<f32>("areas", &kept.areas, Vec::new)?;
+    Ok(centres.into_iter().zip(areas).take(kept.count).collect())
 }
 
 fn mesh_generators(

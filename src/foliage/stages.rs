@@ -403,7 +403,7 @@ pub(super) fn encode(r: &mut Recorder<'_>, encoding: Encoding, bake: &Bake) -> R
             Use::Read(&ambient),
             Use::Write(&encoded),
         ],
-        &abi::Encode {
+        &abi::Count {
             count: count as u32,
         },
         count,

@@ -4,8 +4,6 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::math::sampling;
-
 /// One generator `p_i` of the field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Generator {
@@ -24,16 +22,6 @@ pub enum Source {
     Leaf,
     /// Each triangle.
     Triangle,
-}
-
-/// How a fraction of the generators is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Subset {
-    /// Those of one voxel are merged to their mean, weights added up. Its expected number of
-    /// generators is the fraction.
-    Stratified,
-    /// Every generator is kept with equal probability, and its weight divided by the fraction.
-    Plain,
 }
 
 /// Generators of an indexed triangle mesh, in the order of their first triangle.
@@ -121,85 +109,6 @@ fn centres_of_mass(positions: &[[f32; 3]], indices: &[u32], labels: &[usize]) ->
             area: s.area,
         })
         .collect()
-}
-
-/// A subset of about `fraction` of the generators (0 < fraction <= 1), never empty.
-#[must_use]
-pub fn subset(all: &[Generator], fraction: f64, method: Subset, seed: u32) -> Vec<Generator> {
-    if fraction >= 1.0 || all.len() < 2 {
-        return all.to_vec();
-    }
-    match method {
-        Subset::Stratified => stratified_subset(all, fraction, seed),
-        Subset::Plain => plain_subset(all, fraction, seed),
-    }
-}
-
-fn plain_subset(all: &[Generator], fraction: f64, seed: u32) -> Vec<Generator> {
-    let number = |i: usize| sampling::uniform(seed, i as u32);
-    let mut kept: Vec<usize> = (0..all.len()).filter(|&i| number(i) < fraction).collect();
-    if kept.is_empty() {
-        kept.extend((0..all.len()).min_by(|&a, &b| number(a).total_cmp(&number(b))));
-    }
-    kept.iter()
-        .map(|&i| Generator {
-            weight: all[i].weight / fraction,
-            area: all[i].area / fraction,
-            ..all[i]
-        })
-        .collect()
-}
-
-/// Voxels of the size that leaves at most `fraction` of the generators, by bisection.
-fn stratified_subset(all: &[Generator], fraction: f64, seed: u32) -> Vec<Generator> {
-    let target = ((fraction * all.len() as f64).round() as usize).max(1);
-    let (min, max) = bounds(all);
-    let extent = (max - min).max_element();
-    if extent == 0.0 {
-        return merge_voxels(all, |_| [0; 3]);
-    }
-    let shift = 0.5 * DVec3::from([0, 1, 2].map(|axis| sampling::uniform(seed, axis)));
-    let voxel = |cell: f64| {
-        move |g: &Generator| {
-            ((g.position - min) / cell + shift)
-                .to_array()
-                .map(|c| c as i64)
-        }
-    };
-    // `coarse` begins as one voxel around everything and always satisfies the target.
-    let (mut fine, mut coarse) = (extent / 4096.0, 2.0 * extent);
-    for _ in 0..32 {
-        let middle = (fine * coarse).sqrt();
-        if merge_voxels(all, voxel(middle)).len() > target {
-            fine = middle;
-        } else {
-            coarse = middle;
-        }
-    }
-    merge_voxels(all, voxel(coarse))
-}
-
-/// Weighted means per voxel, in the order of each voxel's first generator.
-fn merge_voxels(all: &[Generator], voxel: impl Fn(&Generator) -> [i64; 3]) -> Vec<Generator> {
-    let mut slot = HashMap::new();
-    let mut merged: Vec<Generator> = Vec::new();
-    for g in all {
-        let k = *slot.entry(voxel(g)).or_insert(merged.len());
-        if k == merged.len() {
-            merged.push(Generator {
-                position: DVec3::ZERO,
-                weight: 0.0,
-                area: 0.0,
-            });
-        }
-        merged[k].position += g.weight * g.position;
-        merged[k].weight += g.weight;
-        merged[k].area += g.area;
-    }
-    for g in &mut merged {
-        g.position /= g.weight;
-    }
-    merged
 }
 
 /// Smallest and largest corner.

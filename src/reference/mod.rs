@@ -9,3 +9,4 @@ pub mod marching_cubes;
 pub mod realign;
 pub mod shade;
 pub mod skylight;
+pub mod subset;

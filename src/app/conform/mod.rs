@@ -4,6 +4,7 @@
 //! cases, so `umbrage conform` and the tests cannot drift apart.
 
 mod foliage;
+mod foliage_subset;
 mod foliage_surface;
 mod gpu;
 mod render;
@@ -45,6 +46,7 @@ impl Outcome {
 pub fn cases() -> Vec<Case> {
     let mut cases = gpu::cases();
     cases.extend(foliage::cases());
+    cases.extend(foliage_subset::cases());
     cases.extend(foliage_surface::cases());
     cases.extend(skylight::cases());
     cases.extend(render::cases());
