@@ -39,15 +39,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("ash", &["src/gpu/"]),
     ("vk", &["src/gpu/"]),
     ("gpu_allocator", &["src/gpu/"]),
-    (
-        "gltf",
-        &[
-            "src/scene/import",
-            "src/scene/export",
-            "src/scene/gltf_document",
-            "src/scene/extensions",
-        ],
-    ),
+    ("gltf", &["src/scene/import/", "src/scene/export/"]),
     ("tobj", &["src/scene/import"]),
     ("clap", &["src/app/"]),
     ("indicatif", &["src/app/"]),

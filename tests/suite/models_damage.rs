@@ -31,7 +31,7 @@ fn every_damage_has_a_message_that_names_the_object() {
         ("pass the end", |d| {
             d["accessors"][0]["count"] = json!(u64::MAX / 6);
         }),
-        ("accessor 0: \"count\" is -1", |d| {
+        ("accessor 0: \"count\" is -1, not a whole number", |d| {
             d["accessors"][0]["count"] = json!(-1);
         }),
         (
@@ -67,6 +67,17 @@ fn every_damage_has_a_message_that_names_the_object() {
         ("node 0 \"leaf\": \"mesh\" is 4, but there are 1", |d| {
             d["nodes"][0]["mesh"] = json!(4);
         }),
+        ("node 0 \"leaf\": \"mesh\" is 4294967296, not a", |d| {
+            d["nodes"][0]["mesh"] = json!(1u64 << 32); // Its low 32 bits are 0.
+        }),
+        (
+            "node 0 \"leaf\": \"scale[1]\": invalid type: string \"x\"",
+            |d| d["nodes"][0]["scale"] = json!([1, "x", 1]),
+        ),
+        (
+            "mesh 0 \"card\": \"primitives[0].indices\": invalid type",
+            |d| d["meshes"][0]["primitives"][0]["indices"] = json!("x"),
+        ),
         ("node 0 \"leaf\": \"children\" is 9", |d| {
             d["nodes"][0]["children"] = json!([9]);
         }),
@@ -74,9 +85,12 @@ fn every_damage_has_a_message_that_names_the_object() {
         ("\"rotation\" has length zero", |d| {
             d["nodes"][0]["rotation"] = json!([0, 0, 0, 0]);
         }),
-        ("\"matrix\" is not a list of 16", |d| {
-            d["nodes"][0]["matrix"] = json!([1]);
-        }),
+        (
+            "\"matrix\": invalid length 1, expected an array of length 16",
+            |d| {
+                d["nodes"][0]["matrix"] = json!([1]);
+            },
+        ),
         ("not a number in range", |d| {
             d["nodes"][0]["scale"] = json!([1, 1, 1e300]);
         }),
@@ -109,9 +123,12 @@ fn every_damage_has_a_message_that_names_the_object() {
         ("KHR_draco_mesh_compression", |d| {
             d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
         }),
-        ("material 0 \"bark\": alphaMode CUT", |d| {
-            d["materials"] = json!([{"name": "bark", "alphaMode": "CUT"}]);
-        }),
+        (
+            "material 0 \"bark\": alphaMode \"CUT\" does not exist",
+            |d| {
+                d["materials"] = json!([{"name": "bark", "alphaMode": "CUT"}]);
+            },
+        ),
         (
             "material 0: baseColorTexture: \"index\" is 0, but there are 0",
             |d| {
@@ -132,7 +149,12 @@ fn every_damage_has_a_message_that_names_the_object() {
         (b"{\"asset\":", "the JSON is damaged"),
         (b"glTF\x01\0\0\0\x0c\0\0\0", "container version 1"),
         (b"glTF\x02\0\0\0\x0c\0\0\0", "no JSON chunk"),
+        (b"glTF\x02\0\0\0\x00\0\0\0", "no JSON chunk"),
         (b"glTF\x02\0\0\0\xff\0\0\0", "truncated"),
+        (
+            b"glTF\x02\0\0\0\x18\0\0\0\xff\0\0\0JSON{}  ",
+            "truncated GLB: its Json chunk has 255 bytes, and 4 are left",
+        ),
     ] {
         let e = read_bytes("plant.glb", bytes).unwrap_err();
         assert!(e.contains(message), "{e}");
@@ -142,6 +164,30 @@ fn every_damage_has_a_message_that_names_the_object() {
         missing
             .to_string()
             .starts_with("/nowhere/oak.glb: cannot read")
+    );
+}
+
+/// What is kept without being read cannot make a file unreadable.
+#[test]
+fn unread_members_may_be_anything() {
+    let mut doc = everything();
+    doc["animations"] = json!([{"channels": [{"target": {"path": "pointer"}}]}, 7]);
+    doc["cameras"] = json!(["none"]);
+    doc["skins"] = json!({"x": 1e300});
+    doc["extras"] = json!([1e300]);
+    doc["extensions"]["ACME_wind"] = json!({"index": -1, "scale": 1e300});
+    doc["accessors"][0]["min"] = json!([1e300, -1, 0]);
+    let odd = [json!(5), json!("x"), json!([1, 2]), json!(null)];
+    let lists = ["nodes", "meshes", "materials", "textures", "accessors"];
+    for (list, extras) in lists.iter().zip(odd.iter().cycle()) {
+        doc[list][0]["extras"] = extras.clone();
+    }
+    let model = read(&doc).unwrap();
+    bake_and_read_again(&model).unwrap();
+    assert_eq!(
+        model.source.unwrap().json["materials"][0]["extras"],
+        odd[2],
+        "kept as it was"
     );
 }
 

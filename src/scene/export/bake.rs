@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::{DMat3, Vec3};
+use gltf::json::accessor::{ComponentType, FLOAT};
 use serde_json::{Value, json};
 
 use super::in_place::Usage;
@@ -12,7 +13,6 @@ use super::placement::{self, Places};
 use super::writer::{Output, object};
 use super::{BackFaces, BakedPart, Channel, ExportOptions};
 use crate::scene::gltf_document::GltfDocument;
-use crate::scene::import::accessor::Component;
 use crate::scene::import::json::integer;
 use crate::scene::model::{Model, Primitive};
 
@@ -160,33 +160,31 @@ impl Editor<'_> {
             color[c] = a;
         }
         // Float colours of the source stay floats; 8 and 16 bits both fit 16 bits exactly.
-        let old = integer(&self.json()["attributes"], "COLOR_0")
-            .ok()
-            .flatten();
+        let old = integer(&self.json()["attributes"], "COLOR_0");
         let accessor = old.and_then(|i| self.output.json.get("accessors")?.get(i));
-        let component = accessor.and_then(|a| integer(a, "componentType").ok().flatten());
-        let was_float = component == Some(5126);
+        let component = accessor.and_then(|a| integer(a, "componentType"));
+        let was_float = component == Some(FLOAT as usize);
         if was_float {
             self.attribute("COLOR_0", &colors);
         } else {
             let quantised = unorm16(&colors);
-            self.write("COLOR_0", Component::U16, &quantised);
+            self.write("COLOR_0", ComponentType::U16, &quantised);
         }
     }
 
     /// Sets an attribute of floats.
     fn attribute<const N: usize>(&mut self, name: &str, values: &[[f32; N]]) {
-        self.write(name, Component::F32, values);
+        self.write(name, ComponentType::F32, values);
     }
 
     /// Sets an attribute: over the old bytes where nobody else reads them, else appended.
     fn write<T: bytemuck::Pod, const N: usize>(
         &mut self,
         name: &str,
-        component: Component,
+        component: ComponentType,
         values: &[[T; N]],
     ) {
-        let old = integer(&self.json()["attributes"], name).ok().flatten();
+        let old = integer(&self.json()["attributes"], name);
         let layout = old.and_then(|i| self.usage?.writable(i, component, N, values.len()));
         let base = layout.and_then(|l| self.output.bases[l.buffer?]);
         if let (Some(i), Some(layout), Some(base)) = (old, layout, base) {
@@ -201,7 +199,7 @@ impl Editor<'_> {
             return;
         }
         let accessor = match component {
-            Component::F32 => self.output.floats(values),
+            ComponentType::F32 => self.output.floats(values),
             _ => self.output.unorm16(values),
         };
         object(&mut self.json()["attributes"]).insert(name.to_owned(), json!(accessor));

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
+use gltf::json::validation::Checked::Valid;
 use serde_json::{Value, json};
 
 use super::placement::{Place, Places};
-use super::writer::{Output, object};
+use super::writer::{Output, object, plain};
 use crate::Result;
 use crate::scene::geometry::{cofactors, repair_normals};
 use crate::scene::gltf_document::GltfDocument;
@@ -80,14 +82,24 @@ fn write_image(out: &mut Output, image: &ImageSource) -> Result<()> {
 }
 
 fn write_texture(out: &mut Output, texture: &Texture) {
-    let wrap = |w: Wrap| match w {
-        Wrap::Repeat => 10497,
-        Wrap::Clamp => 33071,
-        Wrap::Mirror => 33648,
+    let wrap = |w: Wrap| {
+        Valid(match w {
+            Wrap::Repeat => WrappingMode::Repeat,
+            Wrap::Clamp => WrappingMode::ClampToEdge,
+            Wrap::Mirror => WrappingMode::MirroredRepeat,
+        })
     };
-    let sampler = json!({
-        "magFilter": if texture.nearest { 9728 } else { 9729 }, "minFilter": 9987,
-        "wrapS": wrap(texture.wrap_u), "wrapT": wrap(texture.wrap_v)
+    let magnify = if texture.nearest {
+        MagFilter::Nearest
+    } else {
+        MagFilter::Linear
+    };
+    let sampler = plain(Sampler {
+        mag_filter: Some(Valid(magnify)),
+        min_filter: Some(Valid(MinFilter::LinearMipmapLinear)),
+        wrap_s: wrap(texture.wrap_u),
+        wrap_t: wrap(texture.wrap_v),
+        ..Sampler::default()
     });
     let samplers = out.json.get("samplers").and_then(Value::as_array);
     let same = samplers.and_then(|list| list.iter().position(|s| *s == sampler));

@@ -3,14 +3,14 @@
 //! New normals have the size of the old ones; when nothing else uses the old bytes they are
 //! replaced, so that a baked file does not carry normals that nobody reads.
 
+use gltf::json::accessor::ComponentType;
 use serde_json::Value;
 
 use crate::scene::gltf_document::GltfDocument;
-use crate::scene::import::accessor::{Component, Layout, Source};
-use crate::scene::import::json::{as_integer, index, integer};
+use crate::scene::import::accessor::{Layout, Source};
 
 /// Use of the accessors of a source document.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Usage {
     references: Vec<u32>,
     layouts: Vec<Option<Layout>>,
@@ -28,10 +28,12 @@ impl Usage {
                 .and_then(Value::as_array)
                 .map_or(&[][..], |v| v)
         };
-        let accessors = list("accessors");
-        let source = Source::new(json, &document.buffers).ok();
-        let layout = |i: usize| source.as_ref().and_then(|s| s.layout(i).ok());
-        let mut references = vec![0; accessors.len()];
+        // What the importer read reads again.
+        let Ok(source) = Source::new(json, &document.buffers) else {
+            return Self::default();
+        };
+        let accessors = || source.accessors();
+        let mut references = vec![0; accessors().len()];
         for v in [
             list("meshes"),
             list("skins"),
@@ -42,31 +44,24 @@ impl Usage {
         {
             count(&v, "", &mut references);
         }
-        let views = list("bufferViews");
-        let mut by_accessor = vec![false; views.len()];
-        for a in accessors {
-            if let Ok(Some(view)) = index(a, "bufferView", views.len()) {
-                by_accessor[view] = true;
+        let mut by_accessor = vec![false; source.view_count()];
+        for view in accessors().filter_map(|a| a.buffer_view) {
+            if let Some(used) = by_accessor.get_mut(view.value()) {
+                *used = true;
             }
         }
-        let range = |v: &Value| {
-            let get = |key: &str| integer(v, key).ok().flatten();
-            let start = get("byteOffset").unwrap_or(0);
-            Some((
-                get("buffer")?,
-                start,
-                start.checked_add(get("byteLength")?)?,
-            ))
+        let alone = (0..by_accessor.len()).filter(|&view| !by_accessor[view]);
+        let range = |view| {
+            let (buffer, start, length, _) = source.view(view).ok()?;
+            Some((buffer, start, start + length))
         };
-        let alone = views.iter().zip(&by_accessor).filter(|(_, used)| !**used);
         Self {
             references,
-            layouts: (0..accessors.len()).map(layout).collect(),
-            others: alone.filter_map(|(v, _)| range(v)).collect(),
-            sparse: accessors
-                .iter()
-                .map(|a| a.get("sparse").is_some())
+            layouts: (0..accessors().len())
+                .map(|i| source.layout(i).ok())
                 .collect(),
+            others: alone.filter_map(range).collect(),
+            sparse: accessors().map(|a| a.sparse.is_some()).collect(),
         }
     }
 
@@ -74,14 +69,14 @@ impl Usage {
     pub(super) fn writable(
         &self,
         i: usize,
-        component: Component,
+        component: ComponentType,
         width: usize,
         count: usize,
     ) -> Option<Layout> {
         let layout = (*self.layouts.get(i)?)?;
         let buffer = layout.buffer?;
         let fits = layout.component == component
-            && layout.normalized == (component != Component::F32)
+            && layout.normalized == (component != ComponentType::F32)
             && (layout.width, layout.count) == (width, count)
             && count > 0;
         if !fits || self.references[i] != 1 || self.sparse[i] {
@@ -140,7 +135,7 @@ fn count(v: &Value, key: &str, references: &mut [u32]) {
                 "inverseBindMatrices",
             ];
             if names.contains(&key)
-                && let Some(r) = as_integer(v, key).ok().and_then(|i| references.get_mut(i))
+                && let Some(r) = v.as_u64().and_then(|i| references.get_mut(i as usize))
             {
                 *r += 1;
             }
@@ -151,7 +146,7 @@ fn count(v: &Value, key: &str, references: &mut [u32]) {
 
 #[cfg(test)]
 mod tests {
-    use super::Component::F32;
+    use super::ComponentType::F32;
     use super::*;
     use serde_json::json;
 

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
+use gltf::json::validation::Checked::Valid;
 use serde_json::{Value, json};
 
-use super::writer::{Output, object};
+use super::writer::{Output, object, plain};
 use crate::scene::import::json::integer;
 use crate::scene::import::material::KEEP_NORMALS;
 use crate::scene::model::ImageSource;
@@ -94,7 +96,7 @@ impl Changes {
 }
 
 fn material_of(primitive: &Value) -> Option<usize> {
-    integer(primitive, "material").ok()?
+    integer(primitive, "material")
 }
 
 /// How many primitives use each material; material variants count as further users.
@@ -163,10 +165,12 @@ fn ramp_texture(output: &mut Output) -> usize {
     let view = output.view(&png, None);
     let image = json!({"name": RAMP_NAME, "mimeType": "image/png", "bufferView": view});
     let image = output.push("images", image);
-    const CLAMP: u32 = 33071;
-    const LINEAR: u32 = 9729;
-    let sampler = json!({
-        "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP, "wrapT": CLAMP
+    let sampler = plain(Sampler {
+        mag_filter: Some(Valid(MagFilter::Linear)),
+        min_filter: Some(Valid(MinFilter::Linear)),
+        wrap_s: Valid(WrappingMode::ClampToEdge),
+        wrap_t: Valid(WrappingMode::ClampToEdge),
+        ..Sampler::default()
     });
     let sampler = output.push("samplers", sampler);
     output.push("textures", json!({"sampler": sampler, "source": image}))

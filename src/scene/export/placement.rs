@@ -70,7 +70,7 @@ pub(super) fn separate(
     baked: &BTreeSet<usize>,
 ) -> OwnMeshes {
     let source = &document.json;
-    let mesh_of = |node: usize| integer(source.get("nodes")?.get(node)?, "mesh").ok()?;
+    let mesh_of = |node: usize| integer(source.get("nodes")?.get(node)?, "mesh");
     let first_child = expand_gpu_instances(output, document, places, baked);
     // Nodes of the source that use each mesh, and those among them that the bake rewrites.
     let nodes = source

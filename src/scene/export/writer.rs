@@ -1,21 +1,20 @@
 //! A document being written: its JSON and the one binary chunk.
 
 use bytemuck::Pod;
+use gltf::binary::{Glb, Header};
+use gltf::json::accessor::ComponentType::{F32, U16, U32};
+use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
+use gltf::json::buffer::{Target, View};
+use gltf::json::validation::Checked::Valid;
+use gltf::json::{Accessor, Index};
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::scene::gltf_document::GltfDocument;
-use crate::scene::import::json::{index, integer};
+use crate::scene::import::json::integer;
 use crate::scene::model::{ImageSource, Model};
 use crate::scene::textures::media_type;
 use crate::{Error, Result};
-
-/// `bufferView.target` of vertex attributes.
-pub(super) const VERTICES: u32 = 34962;
-/// `bufferView.target` of indices.
-pub(super) const INDICES: u32 = 34963;
-const U16: u32 = 5123;
-const U32: u32 = 5125;
-const F32: u32 = 5126;
 
 /// JSON and binary chunk under construction.
 #[derive(Debug)]
@@ -32,6 +31,11 @@ pub(super) fn object(v: &mut Value) -> &mut Map<String, Value> {
         *v = json!({});
     }
     v.as_object_mut().expect("made an object above")
+}
+
+/// An object of the `gltf` crate as JSON.
+pub(super) fn plain(object: impl Serialize) -> Value {
+    serde_json::to_value(object).expect("its types are plain data with names as keys")
 }
 
 impl Output {
@@ -54,9 +58,8 @@ impl Output {
 
     /// Points a view of the source into the one buffer.
     fn adopt(&mut self, view: &mut Value, buffers: &[Vec<u8>]) {
-        // As the reader sees it: some writers say `3.0`.
-        let buffer = index(view, "buffer", buffers.len()).ok().flatten();
-        let Some((i, bytes)) = buffer.map(|i| (i, &buffers[i])) else {
+        let buffer = integer(view, "buffer");
+        let Some((i, bytes)) = buffer.and_then(|i| Some((i, buffers.get(i)?))) else {
             return;
         };
         if self.bases[i].is_none() {
@@ -67,7 +70,7 @@ impl Output {
         let base = self.bases[i].unwrap_or(0);
         view["buffer"] = json!(0);
         if base > 0 {
-            let offset = integer(view, "byteOffset").ok().flatten().unwrap_or(0);
+            let offset = integer(view, "byteOffset").unwrap_or(0);
             view["byteOffset"] = json!(offset.saturating_add(base));
         }
     }
@@ -116,58 +119,84 @@ impl Output {
     }
 
     /// Appends bytes as a buffer view.
-    pub(super) fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+    pub(super) fn view(&mut self, bytes: &[u8], target: Option<Target>) -> usize {
         self.align();
-        let mut view = json!({
-            "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len()
-        });
-        if let Some(target) = target {
-            view["target"] = json!(target);
-        }
+        let view = View {
+            buffer: Index::new(0),
+            byte_length: bytes.len().into(),
+            byte_offset: Some(self.bin.len().into()),
+            byte_stride: None,
+            name: None,
+            target: target.map(Valid),
+            extensions: None,
+            extras: None,
+        };
         self.bin.extend_from_slice(bytes);
-        self.push("bufferViews", view)
+        self.push("bufferViews", plain(view))
     }
 
-    fn accessor(&mut self, bytes: &[u8], component: u32, width: usize, count: usize) -> usize {
-        let view = self.view(bytes, Some(VERTICES));
-        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][width - 1];
-        let mut accessor = json!({
-            "bufferView": view, "componentType": component, "count": count, "type": kind
-        });
-        if component == U16 {
-            accessor["normalized"] = json!(true);
-        }
-        self.push("accessors", accessor)
+    fn accessor(
+        &mut self,
+        bytes: &[u8],
+        target: Target,
+        (component, kind): (ComponentType, Type),
+        count: usize,
+    ) -> usize {
+        let view = u32::try_from(self.view(bytes, Some(target))).expect("fewer views than bytes");
+        let accessor = Accessor {
+            buffer_view: Some(Index::new(view)),
+            byte_offset: None,
+            count: count.into(),
+            component_type: Valid(GenericComponentType(component)),
+            extensions: None,
+            extras: None,
+            type_: Valid(kind),
+            min: None,
+            max: None,
+            name: None,
+            normalized: component == U16 && matches!(target, Target::ArrayBuffer),
+            sparse: None,
+        };
+        self.push("accessors", plain(accessor))
+    }
+
+    fn attribute(
+        &mut self,
+        bytes: &[u8],
+        component: ComponentType,
+        n: usize,
+        count: usize,
+    ) -> usize {
+        let kind = [Type::Scalar, Type::Vec2, Type::Vec3, Type::Vec4][n - 1];
+        self.accessor(bytes, Target::ArrayBuffer, (component, kind), count)
     }
 
     /// An attribute of floats.
     pub(super) fn floats<T: Pod, const N: usize>(&mut self, values: &[[T; N]]) -> usize {
         assert_eq!(size_of::<T>(), 4, "a float has four bytes");
         let bytes = bytemuck::cast_slice(values.as_flattened());
-        self.accessor(bytes, F32, N, values.len())
+        self.attribute(bytes, F32, N, values.len())
     }
 
     /// An attribute of normalised 16-bit integers.
     pub(super) fn unorm16<T: Pod, const N: usize>(&mut self, values: &[[T; N]]) -> usize {
         assert_eq!(size_of::<T>(), 2, "a 16-bit integer has two bytes");
         let bytes = bytemuck::cast_slice(values.as_flattened());
-        self.accessor(bytes, U16, N, values.len())
+        self.attribute(bytes, U16, N, values.len())
     }
 
     /// Triangle indices, 16-bit where they fit (65535 is reserved).
     pub(super) fn indices(&mut self, indices: &[u32]) -> usize {
         let small = indices.iter().all(|&i| i < 65535);
-        let (view, component) = if small {
-            let short: Vec<u16> = indices.iter().map(|&i| i as u16).collect();
-            (self.view(bytemuck::cast_slice(&short), Some(INDICES)), U16)
+        let short: Vec<u16>;
+        let (bytes, component) = if small {
+            short = indices.iter().map(|&i| i as u16).collect();
+            (bytemuck::cast_slice(&short), U16)
         } else {
-            (self.view(bytemuck::cast_slice(indices), Some(INDICES)), U32)
+            (bytemuck::cast_slice(indices), U32)
         };
-        let accessor = json!({
-            "bufferView": view, "componentType": component, "count": indices.len(),
-            "type": "SCALAR"
-        });
-        self.push("accessors", accessor)
+        let target = Target::ElementArrayBuffer;
+        self.accessor(bytes, target, (component, Type::Scalar), indices.len())
     }
 
     /// Names an extension in `extensionsUsed`.
@@ -206,30 +235,26 @@ impl Output {
         } else {
             self.json["buffers"] = json!([buffer]);
         }
-        let mut text = serde_json::to_vec(&self.json)
+        let text = serde_json::to_vec(&self.json)
             .map_err(|e| Error::usage(format!("the glTF cannot be written as JSON: {e}")))?;
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let mut length = 12 + 8 + text.len();
-        if !self.bin.is_empty() {
-            length += 8 + self.bin.len();
+        // The crate writes the length of a larger file without its upper bits.
+        let length = 12 + 8 + text.len().next_multiple_of(4) + 8 + self.bin.len();
+        if u32::try_from(length).is_err() {
+            return Err(Error::Unsupported(format!(
+                "the model needs {length} bytes; a GLB holds 4 GiB"
+            )));
         }
-        let word = |n: usize| {
-            u32::try_from(n).map(u32::to_le_bytes).map_err(|_| {
-                Error::Unsupported(format!("the model needs {length} bytes; a GLB holds 4 GiB"))
-            })
+        let glb = Glb {
+            header: Header {
+                magic: *b"glTF",
+                version: 2,
+                length: 0, // The writer counts for itself.
+            },
+            json: text.into(),
+            bin: (!self.bin.is_empty()).then(|| self.bin.into()),
         };
-        let mut out = Vec::with_capacity(length);
-        out.extend_from_slice(b"glTF\x02\0\0\0");
-        out.extend_from_slice(&word(length)?);
-        out.extend_from_slice(&word(text.len())?);
-        out.extend_from_slice(b"JSON");
-        out.extend_from_slice(&text);
-        if !self.bin.is_empty() {
-            out.extend_from_slice(&word(self.bin.len())?);
-            out.extend_from_slice(b"BIN\0");
-            out.extend_from_slice(&self.bin);
-        }
-        Ok(out)
+        let whole = glb.to_vec();
+        whole.map_err(|e| Error::usage(format!("the GLB cannot be written: {e}")))
     }
 }
 

@@ -2,9 +2,13 @@
 
 use std::cell::Cell;
 
+use gltf::json::accessor::{Accessor, ComponentType, IndexComponentType};
+use gltf::json::buffer::View;
+use gltf::json::validation::Checked;
+use gltf::json::{Index, accessor};
 use serde_json::Value;
 
-use super::json::{Check, Of, array, as_index, flag, index, integer, required, text};
+use super::json::{Check, Of, at, known, list};
 
 /// Most bytes one file may decode to; a damaged or hostile file cannot ask for more.
 const DECODED_LIMIT: usize = 4 << 30;
@@ -14,8 +18,8 @@ const UNBACKED_LIMIT: usize = 1 << 22;
 /// The parts of a document that accessors need.
 #[derive(Debug)]
 pub(in crate::scene) struct Source<'a> {
-    accessors: &'a [Value],
-    views: &'a [Value],
+    accessors: Vec<(Accessor, &'a Value)>,
+    views: Vec<(View, &'a Value)>,
     buffers: &'a [Vec<u8>],
     decoded: Cell<usize>,
 }
@@ -34,101 +38,77 @@ pub(in crate::scene) struct Layout {
     /// Components per element.
     pub(in crate::scene) width: usize,
     /// Component type.
-    pub(in crate::scene) component: Component,
+    pub(in crate::scene) component: ComponentType,
     /// Integers stand for \[0,1\] or \[-1,1\].
     pub(in crate::scene) normalized: bool,
 }
 
-/// `componentType`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::scene) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+/// Value at the start of `b` as a float (glTF 2.0, 3.6.2.2: normalised integers).
+fn float(component: ComponentType, b: &[u8], normalized: bool) -> f32 {
+    use ComponentType::{F32, I8, I16, U8, U16, U32};
+    let scale = |v: f32, max: f32| if normalized { (v / max).max(-1.0) } else { v };
+    match component {
+        I8 => scale(f32::from(i8::from_le_bytes([b[0]])), 127.0),
+        U8 => scale(f32::from(b[0]), 255.0),
+        I16 => scale(f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
+        U16 => scale(f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
+        U32 => scale(
+            u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
+            u32::MAX as f32,
+        ),
+        F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+    }
 }
 
-impl Component {
-    fn new(code: usize) -> Check<Self> {
-        Ok(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return Err(format!("componentType {code} does not exist")),
-        })
+fn unsigned(component: ComponentType, b: &[u8]) -> Check<u32> {
+    match component {
+        ComponentType::U8 => Ok(u32::from(b[0])),
+        ComponentType::U16 => Ok(u32::from(u16::from_le_bytes([b[0], b[1]]))),
+        ComponentType::U32 => Ok(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+        _ => Err("indices must be unsigned integers".into()),
     }
+}
 
-    /// Size in bytes.
-    pub(in crate::scene) fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    /// Value at the start of `b` as a float (glTF 2.0, 3.6.2.2: normalised integers).
-    fn float(self, b: &[u8], normalized: bool) -> f32 {
-        let scale = |v: f32, max: f32| if normalized { (v / max).max(-1.0) } else { v };
-        match self {
-            Self::I8 => scale(f32::from(i8::from_le_bytes([b[0]])), 127.0),
-            Self::U8 => scale(f32::from(b[0]), 255.0),
-            Self::I16 => scale(f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
-            Self::U16 => scale(f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-            Self::U32 => scale(
-                u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
-                u32::MAX as f32,
-            ),
-            Self::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
-        }
-    }
-
-    fn unsigned(self, b: &[u8]) -> Check<u32> {
-        match self {
-            Self::U8 => Ok(u32::from(b[0])),
-            Self::U16 => Ok(u32::from(u16::from_le_bytes([b[0], b[1]]))),
-            Self::U32 => Ok(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-            _ => Err("indices must be unsigned integers".into()),
-        }
-    }
+/// A size of the file as one of this machine.
+fn size(n: u64, key: &str) -> Check<usize> {
+    usize::try_from(n).map_err(|_| format!("\"{key}\" is {n}, more than this machine can address"))
 }
 
 impl<'a> Source<'a> {
     /// Reads the lists of `json`.
     pub(in crate::scene) fn new(json: &'a Value, buffers: &'a [Vec<u8>]) -> Check<Self> {
         Ok(Self {
-            accessors: array(json, "accessors")?,
-            views: array(json, "bufferViews")?,
+            accessors: list(json, "accessors", "accessor")?,
+            views: list(json, "bufferViews", "bufferView")?,
             buffers,
             decoded: Cell::new(0),
         })
     }
 
-    /// Number of accessors.
-    pub(in crate::scene) fn len(&self) -> usize {
-        self.accessors.len()
+    /// The accessors.
+    pub(in crate::scene) fn accessors(&self) -> impl ExactSizeIterator<Item = &Accessor> {
+        self.accessors.iter().map(|(a, _)| a)
+    }
+
+    /// The accessor that `index` means, for the member `key`.
+    pub(in crate::scene) fn at(&self, index: Index<Accessor>, key: &str) -> Check<usize> {
+        at(index, key, self.accessors.len())
     }
 
     /// Buffer, first byte, length and stride of a view.
-    fn view(&self, i: usize) -> Check<(usize, usize, usize, Option<usize>)> {
+    pub(in crate::scene) fn view(&self, i: usize) -> Check<(usize, usize, usize, Option<usize>)> {
         let read = || {
-            let view = &self.views[i];
-            let buffer =
-                index(view, "buffer", self.buffers.len())?.ok_or("\"buffer\" is missing")?;
-            let start = integer(view, "byteOffset")?.unwrap_or(0);
-            let length = required(view, "byteLength")?;
+            let (view, _) = &self.views[i];
+            let buffer = at(view.buffer, "buffer", self.buffers.len())?;
+            let start = size(view.byte_offset.unwrap_or_default().0, "byteOffset")?;
+            let length = size(view.byte_length.0, "byteLength")?;
             let have = self.buffers[buffer].len();
             if start.checked_add(length).is_none_or(|end| end > have) {
                 return Err(format!(
                     "bytes {start} + {length} pass the end of buffer {buffer} ({have} bytes)"
                 ));
             }
-            Ok((buffer, start, length, integer(view, "byteStride")?))
+            Ok((buffer, start, length, view.byte_stride.map(|s| s.0)))
         };
         read().of(|| format!("bufferView {i}"))
     }
@@ -150,38 +130,32 @@ impl<'a> Source<'a> {
             .of(|| format!("accessor {i}"))
     }
 
-    fn layout_of(&self, accessor: &Value) -> Check<Layout> {
-        let component = Component::new(required(accessor, "componentType")?)?;
-        let width = match text(accessor, "type")?.ok_or("\"type\" is missing")? {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" | "MAT2" => 4,
-            "MAT3" => 9,
-            "MAT4" => 16,
-            other => return Err(format!("type {other} does not exist")),
-        };
+    fn layout_of(&self, (accessor, v): &(Accessor, &Value)) -> Check<Layout> {
+        let component = known(accessor.component_type, v, "componentType")?.0;
+        let width = known(accessor.type_, v, "type")?.multiplicity();
         let layout = Layout {
             buffer: None,
             start: 0,
             stride: width * component.size(),
-            count: required(accessor, "count")?,
+            count: size(accessor.count.0, "count")?,
             width,
             component,
-            normalized: flag(accessor, "normalized")?,
+            normalized: accessor.normalized,
         };
-        let Some(view) = index(accessor, "bufferView", self.views.len())? else {
+        let Some(view) = accessor.buffer_view else {
             if layout.count > UNBACKED_LIMIT {
                 return Err(format!("{} elements without a bufferView", layout.count));
             }
             return Ok(layout);
         };
-        let offset = integer(accessor, "byteOffset")?.unwrap_or(0);
-        self.place(layout, view, offset)
+        let offset = accessor.byte_offset.unwrap_or_default();
+        self.place(layout, view, offset.0)
     }
 
     /// Puts `layout` at `offset` in a view and checks that it stays inside.
-    fn place(&self, mut layout: Layout, view: usize, offset: usize) -> Check<Layout> {
+    fn place(&self, mut layout: Layout, view: Index<View>, offset: u64) -> Check<Layout> {
+        let view = at(view, "bufferView", self.views.len())?;
+        let offset = size(offset, "byteOffset")?;
         let (buffer, start, length, stride) = self.view(view)?;
         let element = layout.width * layout.component.size();
         if let Some(stride) = stride {
@@ -236,17 +210,13 @@ impl<'a> Source<'a> {
         let mut out = vec![[0.0; N]; layout.count];
         let size = layout.component.size();
         let element = |bytes: &[u8]| {
-            std::array::from_fn(|c| {
-                layout
-                    .component
-                    .float(&bytes[c * size..], layout.normalized)
-            })
+            std::array::from_fn(|c| float(layout.component, &bytes[c * size..], layout.normalized))
         };
         self.elements(&layout, |k, bytes| {
             out[k] = element(bytes);
             Ok(())
         })?;
-        self.sparse(accessor, &layout, |k, bytes| {
+        self.sparse(&accessor.0, &layout, |k, bytes| {
             out[k] = element(bytes);
             Ok(())
         })?;
@@ -264,11 +234,11 @@ impl<'a> Source<'a> {
             self.spend(layout.count.saturating_mul(4))?;
             let mut out = vec![0; layout.count];
             let mut set = |k: usize, bytes: &[u8]| {
-                out[k] = layout.component.unsigned(bytes)?;
+                out[k] = unsigned(layout.component, bytes)?;
                 Ok(())
             };
             self.elements(&layout, &mut set)?;
-            self.sparse(accessor, &layout, &mut set)?;
+            self.sparse(&accessor.0, &layout, &mut set)?;
             Ok(out)
         };
         read().of(|| format!("accessor {i}"))
@@ -293,11 +263,11 @@ impl<'a> Source<'a> {
     /// Calls `set` for the entries of a sparse accessor.
     fn sparse(
         &self,
-        accessor: &Value,
+        accessor: &Accessor,
         layout: &Layout,
         set: impl FnMut(usize, &[u8]) -> Check<()>,
     ) -> Check<()> {
-        let Some(sparse) = accessor.get("sparse") else {
+        let Some(sparse) = &accessor.sparse else {
             return Ok(());
         };
         self.sparse_entries(sparse, layout, set)
@@ -306,39 +276,31 @@ impl<'a> Source<'a> {
 
     fn sparse_entries(
         &self,
-        sparse: &Value,
+        sparse: &accessor::sparse::Sparse,
         layout: &Layout,
         mut set: impl FnMut(usize, &[u8]) -> Check<()>,
     ) -> Check<()> {
-        let count = required(sparse, "count")?;
-        let part = |key: &str, width, component| {
-            let object = sparse
-                .get(key)
-                .ok_or_else(|| format!("\"{key}\" is missing"))?;
-            let view = object
-                .get("bufferView")
-                .ok_or("\"bufferView\" is missing")?;
-            let view = as_index(view, "bufferView", self.views.len())?;
-            let component = match component {
-                Some(c) => c,
-                None => Component::new(required(object, "componentType")?)?,
-            };
-            let packed = Layout {
-                buffer: None,
-                start: 0,
-                stride: width * component.size(),
-                count,
-                width,
-                component,
-                normalized: false,
-            };
-            self.place(packed, view, integer(object, "byteOffset")?.unwrap_or(0))
+        let count = size(sparse.count.0, "count")?;
+        let packed = |width: usize, component: ComponentType| Layout {
+            buffer: None,
+            start: 0,
+            stride: width * component.size(),
+            count,
+            width,
+            component,
+            normalized: false,
         };
-        let where_to = part("indices", 1, None)?;
-        let values = part("values", layout.width, Some(layout.component))?;
+        let (indices, values) = (&sparse.indices, &sparse.values);
+        let Checked::Valid(IndexComponentType(component)) = indices.component_type else {
+            return Err("indices must be unsigned integers".into());
+        };
+        let where_to = packed(1, component);
+        let where_to = self.place(where_to, indices.buffer_view, indices.byte_offset.0)?;
+        let values_of = packed(layout.width, layout.component);
+        let values = self.place(values_of, values.buffer_view, values.byte_offset.0)?;
         let mut targets = vec![0usize; count];
         self.elements(&where_to, |k, bytes| {
-            targets[k] = where_to.component.unsigned(bytes)? as usize;
+            targets[k] = unsigned(where_to.component, bytes)? as usize;
             Ok(())
         })?;
         self.elements(&values, |k, bytes| {
@@ -361,9 +323,9 @@ mod tests {
 
     #[test]
     fn normalised_integers_follow_the_specification() {
-        assert_eq!(Component::I8.float(&[0x80], true), -1.0);
-        assert_eq!(Component::U16.float(&[0xFF, 0xFF], true), 1.0);
-        assert_eq!(Component::I16.float(&[0x01, 0x80], false), -32767.0);
+        assert_eq!(float(ComponentType::I8, &[0x80], true), -1.0);
+        assert_eq!(float(ComponentType::U16, &[0xFF, 0xFF], true), 1.0);
+        assert_eq!(float(ComponentType::I16, &[0x01, 0x80], false), -32767.0);
     }
 
     #[test]

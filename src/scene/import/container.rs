@@ -1,16 +1,16 @@
 //! The outer shell of a glTF file: GLB chunks, JSON, and where buffer bytes come from.
 
-use std::ops::Range;
+use std::borrow::Cow;
 use std::path::Path;
 
 use base64::Engine as _;
+use gltf::binary::{Error, Glb};
+use gltf::json::Buffer;
 use serde_json::Value;
 
-use super::json::{Check, Of, array, extension, label, required, text};
+use super::json::{Check, Of, extension, label, list};
 
 const GLB_MAGIC: &[u8; 4] = b"glTF";
-const CHUNK_JSON: u32 = 0x4E4F_534A;
-const CHUNK_BIN: u32 = 0x004E_4942;
 
 /// Whether the bytes begin like a GLB.
 pub(super) fn is_glb(bytes: &[u8]) -> bool {
@@ -23,16 +23,17 @@ pub(super) fn is_json(bytes: &[u8]) -> bool {
     bytes.iter().find(|b| !b.is_ascii_whitespace()) == Some(&b'{')
 }
 
-/// JSON and, for a GLB, the range of its binary chunk.
-pub(super) fn parse(bytes: &[u8]) -> Check<(Value, Option<Range<usize>>)> {
+/// JSON and, for a GLB with one, the binary chunk.
+pub(super) fn parse(bytes: &[u8]) -> Check<(Value, Option<Cow<'_, [u8]>>)> {
     let (json_bytes, bin) = if is_glb(bytes) {
-        let (json, bin) = chunks(bytes)?;
-        (&bytes[json], bin)
+        let glb = chunks(bytes)?;
+        (glb.json, glb.bin)
     } else {
-        (bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), None)
+        let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+        (Cow::Borrowed(text), None)
     };
     let json: Value =
-        serde_json::from_slice(json_bytes).map_err(|e| format!("the JSON is damaged: {e}"))?;
+        serde_json::from_slice(&json_bytes).map_err(|e| format!("the JSON is damaged: {e}"))?;
     let version = json
         .get("asset")
         .and_then(|a| a.get("version"))
@@ -44,14 +45,11 @@ pub(super) fn parse(bytes: &[u8]) -> Check<(Value, Option<Range<usize>>)> {
     Ok((json, bin))
 }
 
-fn word(bytes: &[u8], at: usize) -> Option<u32> {
-    let four = bytes.get(at..at.checked_add(4)?)?;
-    Some(u32::from_le_bytes(four.try_into().ok()?))
-}
-
-/// Ranges of the JSON and BIN chunks.
-fn chunks(bytes: &[u8]) -> Check<(Range<usize>, Option<Range<usize>>)> {
-    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
+/// Splits a GLB. The crate takes the length in the header as it is and subtracts from it, so it
+/// only sees headers that hold.
+fn chunks(bytes: &[u8]) -> Check<Glb<'_>> {
+    let word = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
+    let (Some(version), Some(length)) = (word(4), word(8)) else {
         return Err("truncated GLB: the header needs 12 bytes".into());
     };
     if version != 2 {
@@ -59,59 +57,57 @@ fn chunks(bytes: &[u8]) -> Check<(Range<usize>, Option<Range<usize>>)> {
             "GLB container version {version} is not supported, only 2"
         ));
     }
-    let length = length as usize;
-    if length > bytes.len() {
-        return Err(format!(
-            "truncated GLB: the header says {length} bytes, the file has {}",
-            bytes.len()
-        ));
+    let whole = bytes.get(..length as usize).ok_or_else(|| {
+        let have = bytes.len();
+        format!("truncated GLB: the header says {length} bytes, the file has {have}")
+    })?;
+    if whole.len() < 20 {
+        return Err("the GLB has no JSON chunk".into());
     }
-    let mut json = None;
-    let mut bin = None;
-    let mut at = 12;
-    while at < length {
-        let (Some(size), Some(kind)) = (word(bytes, at), word(bytes, at + 4)) else {
-            return Err(format!("truncated GLB: no chunk header at byte {at}"));
-        };
-        let start = at + 8;
-        let end = start
-            .checked_add(size as usize)
-            .filter(|&end| end <= length)
-            .ok_or_else(|| {
-                format!("truncated GLB: the chunk at byte {at} of {size} bytes passes the end")
-            })?;
-        match kind {
-            CHUNK_JSON if json.is_none() => json = Some(start..end),
-            CHUNK_BIN if bin.is_none() => bin = Some(start..end),
-            _ => {} // The specification asks readers to skip chunks they do not know.
-        }
-        at = end;
-    }
-    Ok((json.ok_or("the GLB has no JSON chunk")?, bin))
+    Glb::from_slice(whole).map_err(|e| match e {
+        gltf::Error::Binary(Error::ChunkLength {
+            ty,
+            length,
+            length_read,
+        }) => format!(
+            "truncated GLB: its {ty:?} chunk has {length} bytes, and {length_read} are left"
+        ),
+        gltf::Error::Binary(Error::Io(_)) => "truncated GLB: half a chunk header".into(),
+        other => format!("the GLB is damaged: {other}"),
+    })
 }
 
 /// Contents of all buffers. A buffer that only stands in for compressed views stays empty.
 pub(super) fn buffers(json: &Value, bin: Option<&[u8]>, folder: &Path) -> Check<Vec<Vec<u8>>> {
     let mut out = Vec::new();
-    for (i, buffer) in array(json, "buffers")?.iter().enumerate() {
-        out.push(buffer_bytes(i, buffer, bin, folder).of(|| label("buffer", i, buffer))?);
+    for (i, (buffer, v)) in list::<Buffer>(json, "buffers", "buffer")?
+        .iter()
+        .enumerate()
+    {
+        let stands_in = extension(v, "EXT_meshopt_compression").is_some();
+        let bytes = match (&buffer.uri, bin) {
+            (Some(uri), _) => uri_bytes(uri, folder).map(|read| read.0),
+            (None, Some(bin)) if i == 0 => Ok(bin.to_vec()),
+            (None, _) if stands_in => {
+                out.push(vec![]);
+                continue;
+            }
+            (None, _) => Err("has no uri, and the file has no binary chunk for it".into()),
+        };
+        let bytes = bytes.and_then(|bytes| cut(bytes, buffer.byte_length.0));
+        out.push(bytes.of(|| label("buffer", i, v))?);
     }
     Ok(out)
 }
 
-fn buffer_bytes(i: usize, buffer: &Value, bin: Option<&[u8]>, folder: &Path) -> Check<Vec<u8>> {
-    let length = required(buffer, "byteLength")?;
-    let mut bytes = match (text(buffer, "uri")?, bin) {
-        (Some(uri), _) => uri_bytes(uri, folder)?.0,
-        (None, Some(bin)) if i == 0 => bin.to_vec(),
-        (None, _) if extension(buffer, "EXT_meshopt_compression").is_some() => return Ok(vec![]),
-        (None, _) => return Err("has no uri, and the file has no binary chunk for it".into()),
-    };
-    if bytes.len() < length {
-        return Err(format!("needs {length} bytes, there are {}", bytes.len()));
+fn cut(mut bytes: Vec<u8>, length: u64) -> Check<Vec<u8>> {
+    match usize::try_from(length) {
+        Ok(length) if length <= bytes.len() => {
+            bytes.truncate(length);
+            Ok(bytes)
+        }
+        _ => Err(format!("needs {length} bytes, there are {}", bytes.len())),
     }
-    bytes.truncate(length);
-    Ok(bytes)
 }
 
 /// Bytes behind a URI (data URI or a file beside the model), and the media type if the URI
@@ -192,7 +188,7 @@ mod tests {
         let json = br#"{"asset":{"version":"2.0"}}  "#;
         glb.extend(u32::try_from(20 + json.len()).unwrap().to_le_bytes());
         glb.extend(u32::try_from(json.len()).unwrap().to_le_bytes());
-        glb.extend(CHUNK_JSON.to_le_bytes());
+        glb.extend(b"JSON");
         glb.extend(json);
         parse(&glb).unwrap();
         for n in 4..glb.len() {

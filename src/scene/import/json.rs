@@ -1,8 +1,11 @@
-//! Reading members of a glTF's JSON with checks: every wrong type or range becomes a sentence.
+//! From a glTF's JSON to the types of [`gltf::json`]: every wrong type or range becomes a sentence.
 //!
 //! Errors are plain sentences (`String`); each caller puts the object's name in front, and
 //! [`super::load`] puts the file in front of all.
 
+use gltf::json::Index;
+use gltf::json::validation::Checked;
+use serde::Deserialize;
 use serde_json::Value;
 
 /// Result whose error is a sentence about the object at hand.
@@ -29,37 +32,29 @@ pub(in crate::scene) fn array<'a>(v: &'a Value, key: &str) -> Check<&'a [Value]>
     }
 }
 
-/// A non-negative integer.
-pub(in crate::scene) fn integer(v: &Value, key: &str) -> Check<Option<usize>> {
-    v.get(key).map(|n| as_integer(n, key)).transpose()
+/// `v` as a type of the `gltf` crate or one of our own; errors name the member.
+pub(in crate::scene) fn typed<'a, T: Deserialize<'a>>(v: &'a Value) -> Check<T> {
+    serde_path_to_error::deserialize(v).map_err(|e| match e.path().to_string().as_str() {
+        "." => e.inner().to_string(),
+        path => format!("\"{path}\": {}", e.inner()),
+    })
 }
 
-/// A non-negative integer that must be there.
-pub(in crate::scene) fn required(v: &Value, key: &str) -> Check<usize> {
-    integer(v, key)?.ok_or_else(|| format!("\"{key}\" is missing"))
-}
-
-/// `n` as a non-negative integer (some writers say `3.0`).
-pub(in crate::scene) fn as_integer(n: &Value, key: &str) -> Check<usize> {
-    const EXACT: f64 = 9_007_199_254_740_992.0;
-    let whole = n.as_u64().or_else(|| {
-        n.as_f64()
-            .filter(|f| f.fract() == 0.0 && (0.0..EXACT).contains(f))
-            .map(|f| f as u64)
-    });
-    whole
-        .and_then(|u| usize::try_from(u).ok())
-        .ok_or_else(|| format!("\"{key}\" is {n}, not a whole number from 0 up"))
+/// The objects of the array `key` of a document, each with its JSON. `kind` names one in
+/// messages. They are read one by one, and only the lists that are needed: what umbrage keeps
+/// without reading it (animations, cameras) cannot make a file unreadable.
+pub(in crate::scene) fn list<'a, T: Deserialize<'a>>(
+    json: &'a Value,
+    key: &str,
+    kind: &str,
+) -> Check<Vec<(T, &'a Value)>> {
+    let one = |(i, v)| Ok((typed(v).of(|| label(kind, i, v))?, v));
+    array(json, key)?.iter().enumerate().map(one).collect()
 }
 
 /// An index that must be below `len`.
-pub(in crate::scene) fn index(v: &Value, key: &str, len: usize) -> Check<Option<usize>> {
-    v.get(key).map(|n| as_index(n, key, len)).transpose()
-}
-
-/// `n` as an index below `len`.
-pub(in crate::scene) fn as_index(n: &Value, key: &str, len: usize) -> Check<usize> {
-    let i = as_integer(n, key)?;
+pub(in crate::scene) fn at<T>(index: Index<T>, key: &str, len: usize) -> Check<usize> {
+    let i = index.value();
     if i < len {
         Ok(i)
     } else {
@@ -67,49 +62,17 @@ pub(in crate::scene) fn as_index(n: &Value, key: &str, len: usize) -> Check<usiz
     }
 }
 
-/// A finite number, also finite as f32.
-pub(in crate::scene) fn number(v: &Value, key: &str) -> Check<Option<f64>> {
-    v.get(key).map(|n| as_number(n, key)).transpose()
-}
-
-fn as_number(n: &Value, key: &str) -> Check<f64> {
-    n.as_f64()
-        .filter(|f| (*f as f32).is_finite())
-        .ok_or_else(|| format!("\"{key}\" is {n}, not a number in range"))
-}
-
-/// `N` finite numbers.
-pub(in crate::scene) fn numbers<const N: usize>(v: &Value, key: &str) -> Check<Option<[f64; N]>> {
-    let Some(list) = v.get(key) else {
-        return Ok(None);
-    };
-    let list = list
-        .as_array()
-        .filter(|a| a.len() == N)
-        .ok_or_else(|| format!("\"{key}\" is not a list of {N} numbers"))?;
-    let mut out = [0.0; N];
-    for (o, n) in out.iter_mut().zip(list) {
-        *o = as_number(n, key)?;
-    }
-    Ok(Some(out))
-}
-
-/// A string.
-pub(in crate::scene) fn text<'a>(v: &'a Value, key: &str) -> Check<Option<&'a str>> {
-    match v.get(key) {
-        None => Ok(None),
-        Some(Value::String(s)) => Ok(Some(s)),
-        Some(_) => Err(format!("\"{key}\" is not a string")),
+/// A value of an enumeration; `v` is the object it stands in, for the message.
+pub(in crate::scene) fn known<T: Copy>(value: Checked<T>, v: &Value, key: &str) -> Check<T> {
+    match value {
+        Checked::Valid(value) => Ok(value),
+        Checked::Invalid => Err(format!("{key} {} does not exist", v[key])),
     }
 }
 
-/// A boolean; false when absent.
-pub(in crate::scene) fn flag(v: &Value, key: &str) -> Check<bool> {
-    match v.get(key) {
-        None => Ok(false),
-        Some(Value::Bool(b)) => Ok(*b),
-        Some(_) => Err(format!("\"{key}\" is not true or false")),
-    }
+/// A non-negative integer; [`super::numbers::check`] has seen the document.
+pub(in crate::scene) fn integer(v: &Value, key: &str) -> Option<usize> {
+    v.get(key)?.as_u64()?.try_into().ok()
 }
 
 /// The object of an extension on `v`.

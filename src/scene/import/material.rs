@@ -3,13 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use gltf::json;
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
+use gltf::json::validation::Checked;
+use serde::Deserialize;
 use serde_json::Value;
 
 use super::accessor::Source;
 use super::container::uri_bytes;
-use super::json::{
-    Check, Of, array, extension, flag, index, integer, label, name, number, numbers, text,
-};
+use super::json::{Check, Of, at, extension, known, label, list, name, typed};
 use crate::scene::model::{
     AlphaMode, DiffuseTransmission, ImageSource, Material, Texture, TextureRef, Wrap,
 };
@@ -17,21 +20,27 @@ use crate::scene::model::{
 /// All images, their bytes still encoded.
 pub(super) fn images(json: &Value, source: &Source<'_>, folder: &Path) -> Check<Vec<ImageSource>> {
     let mut out = Vec::new();
-    for (i, image) in array(json, "images")?.iter().enumerate() {
-        out.push(one_image(i, image, source, folder).of(|| label("image", i, image))?);
+    let images: Vec<(json::Image, _)> = list(json, "images", "image")?;
+    for (i, (image, v)) in images.iter().enumerate() {
+        let title = name("image", i, v);
+        out.push(one_image(image, title, source, folder).of(|| label("image", i, v))?);
     }
     Ok(out)
 }
 
-fn one_image(i: usize, image: &Value, source: &Source<'_>, folder: &Path) -> Check<ImageSource> {
-    let mut title = name("image", i, image);
-    let bytes = match (
-        text(image, "uri")?,
-        index(image, "bufferView", source.view_count())?,
-    ) {
-        (_, Some(view)) => source.view_bytes(view)?.to_vec(),
+fn one_image(
+    image: &json::Image,
+    mut title: String,
+    source: &Source<'_>,
+    folder: &Path,
+) -> Check<ImageSource> {
+    let bytes = match (&image.uri, image.buffer_view) {
+        (_, Some(view)) => {
+            let view = at(view, "bufferView", source.view_count())?;
+            source.view_bytes(view)?.to_vec()
+        }
         (Some(uri), None) => {
-            if image.get("name").is_none() && !uri.starts_with("data:") {
+            if image.name.is_none() && !uri.starts_with("data:") {
                 uri.clone_into(&mut title);
             }
             uri_bytes(uri, folder)?.0
@@ -55,35 +64,30 @@ pub(super) struct Textures {
 
 impl Textures {
     pub(super) fn read(json: &Value, images: usize) -> Check<Self> {
-        let samplers = array(json, "samplers")?;
+        let samplers: Vec<(Sampler, _)> = list(json, "samplers", "sampler")?;
+        let textures: Vec<(json::Texture, _)> = list(json, "textures", "texture")?;
         let mut out = Self::default();
-        for (i, texture) in array(json, "textures")?.iter().enumerate() {
-            let read = || -> Check<Option<Texture>> {
-                let Some(image) = index(texture, "source", images)? else {
-                    return Ok(None);
+        for (i, (texture, v)) in textures.iter().enumerate() {
+            // The crate gives a texture without a source the last index there is.
+            if texture.source.value() == u32::MAX as usize {
+                out.slots.push(None);
+                continue;
+            }
+            let read = || -> Check<Texture> {
+                let image = at(texture.source, "source", images)?;
+                let sampler = match texture.sampler {
+                    Some(s) => &samplers[at(s, "sampler", samplers.len())?].0,
+                    None => &Sampler::default(),
                 };
-                let sampler = index(texture, "sampler", samplers.len())?;
-                let none = Value::Null;
-                let sampler = sampler.map_or(&none, |s| &samplers[s]);
-                let wrap = |key| -> Check<Wrap> {
-                    Ok(match integer(sampler, key)? {
-                        Some(33071) => Wrap::Clamp,
-                        Some(33648) => Wrap::Mirror,
-                        _ => Wrap::Repeat,
-                    })
-                };
-                Ok(Some(Texture {
+                Ok(Texture {
                     image,
-                    wrap_u: wrap("wrapS")?,
-                    wrap_v: wrap("wrapT")?,
-                    nearest: integer(sampler, "magFilter")? == Some(9728),
-                }))
+                    wrap_u: wrap(sampler.wrap_s),
+                    wrap_v: wrap(sampler.wrap_t),
+                    nearest: sampler.mag_filter == Some(Checked::Valid(MagFilter::Nearest)),
+                })
             };
-            let texture = read().of(|| label("texture", i, texture))?;
-            out.slots.push(texture.map(|t| {
-                out.list.push(t);
-                out.list.len() - 1
-            }));
+            out.slots.push(Some(out.list.len()));
+            out.list.push(read().of(|| label("texture", i, v))?);
         }
         let missing = out.slots.iter().filter(|s| s.is_none()).count();
         if missing > 0 {
@@ -94,76 +98,98 @@ impl Textures {
         Ok(out)
     }
 
-    fn reference(&self, v: &Value, key: &str) -> Check<Option<TextureRef>> {
-        let Some(info) = v.get(key) else {
+    /// What a material's member `key` refers to; `None` also for a missing image.
+    fn reference(&self, info: Option<&Info>, key: &str) -> Check<Option<TextureRef>> {
+        let Some(info) = info else {
             return Ok(None);
         };
-        let read = || -> Check<Option<TextureRef>> {
-            let i = index(info, "index", self.slots.len())?.ok_or("\"index\" is missing")?;
-            let Some(texture) = self.slots[i] else {
-                return Ok(None);
-            };
-            let mut out = TextureRef::new(texture);
-            let mut set = integer(info, "texCoord")?.unwrap_or(0);
-            if let Some(t) = extension(info, "KHR_texture_transform") {
-                set = integer(t, "texCoord")?.unwrap_or(set);
-                out.transform = transform(t)?;
-            }
-            // Sets beyond the second are rare (light maps); the first is the nearest answer.
-            out.texcoord = u32::from(set == 1);
-            Ok(Some(out))
+        let i = at(info.index, "index", self.slots.len()).of(|| key.to_owned())?;
+        let Some(texture) = self.slots[i] else {
+            return Ok(None);
         };
-        read().of(|| key.to_owned())
+        let mut out = TextureRef::new(texture);
+        let mut set = info.tex_coord;
+        let extensions = info.extensions.as_ref();
+        if let Some(t) = extensions.and_then(|e| e.texture_transform.as_ref()) {
+            set = t.tex_coord.unwrap_or(set);
+            out.transform = transform(t);
+        }
+        // Sets beyond the second are rare (light maps); the first is the nearest answer.
+        out.texcoord = u32::from(set == 1);
+        Ok(Some(out))
+    }
+}
+
+fn wrap(mode: Checked<WrappingMode>) -> Wrap {
+    match mode {
+        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
+        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+        _ => Wrap::Repeat,
     }
 }
 
 /// `KHR_texture_transform` as the upper rows of translation x rotation x scale.
-fn transform(t: &Value) -> Check<[[f32; 3]; 2]> {
-    let [ou, ov] = numbers(t, "offset")?.unwrap_or([0.0; 2]);
-    let [su, sv] = numbers(t, "scale")?.unwrap_or([1.0; 2]);
-    let (s, c) = number(t, "rotation")?.unwrap_or(0.0).sin_cos();
-    Ok([
-        [(c * su) as f32, (s * sv) as f32, ou as f32],
-        [(-s * su) as f32, (c * sv) as f32, ov as f32],
-    ])
+fn transform(t: &TextureTransform) -> [[f32; 3]; 2] {
+    let ([ou, ov], [su, sv]) = (t.offset.0, t.scale.0);
+    let (s, c) = t.rotation.0.sin_cos();
+    [[c * su, s * sv, ou], [-s * su, c * sv, ov]]
 }
 
 /// All materials.
 pub(super) fn materials(json: &Value, textures: &Textures) -> Check<Vec<Material>> {
     let mut out = Vec::new();
-    for (i, m) in array(json, "materials")?.iter().enumerate() {
-        out.push(one_material(i, m, textures).of(|| label("material", i, m))?);
+    let materials: Vec<(json::Material, _)> = list(json, "materials", "material")?;
+    for (i, (m, v)) in materials.iter().enumerate() {
+        let title = name("material", i, v);
+        out.push(one_material(m, v, title, textures).of(|| label("material", i, v))?);
     }
     Ok(out)
 }
 
-fn one_material(i: usize, m: &Value, textures: &Textures) -> Check<Material> {
-    let none = Value::Null;
-    let pbr = m.get("pbrMetallicRoughness").unwrap_or(&none);
-    let gloss = extension(m, "KHR_materials_pbrSpecularGlossiness");
+fn one_material(
+    m: &json::Material,
+    v: &Value,
+    name: String,
+    textures: &Textures,
+) -> Check<Material> {
+    let pbr = &m.pbr_metallic_roughness;
+    let none = json::extensions::material::Material::default();
+    let extensions = m.extensions.as_ref().unwrap_or(&none);
+    let base_color_texture = pbr.base_color_texture.as_ref();
+    let strength = &extensions.emissive_strength;
+    let strength = strength.as_ref().map_or(1.0, |e| e.emissive_strength.0);
     let mut out = Material {
-        name: name("material", i, m),
-        base_color: floats(numbers(pbr, "baseColorFactor")?.unwrap_or([1.0; 4])),
-        base_color_texture: textures.reference(pbr, "baseColorTexture")?,
-        roughness: number(pbr, "roughnessFactor")?.unwrap_or(1.0) as f32,
-        metallic: number(pbr, "metallicFactor")?.unwrap_or(1.0) as f32,
-        alpha_mode: alpha_mode(m)?,
-        double_sided: flag(m, "doubleSided")?,
-        unlit: extension(m, "KHR_materials_unlit").is_some(),
-        emissive: emissive(m)?,
-        diffuse_transmission: diffuse_transmission(m, textures)?,
+        name,
+        base_color: pbr.base_color_factor.0,
+        base_color_texture: textures.reference(base_color_texture, "baseColorTexture")?,
+        roughness: pbr.roughness_factor.0,
+        metallic: pbr.metallic_factor.0,
+        alpha_mode: match known(m.alpha_mode, v, "alphaMode")? {
+            json::material::AlphaMode::Opaque => AlphaMode::Opaque,
+            json::material::AlphaMode::Mask => AlphaMode::Mask {
+                cutoff: m.alpha_cutoff.unwrap_or_default().0,
+            },
+            json::material::AlphaMode::Blend => AlphaMode::Blend,
+        },
+        double_sided: m.double_sided,
+        unlit: extensions.unlit.is_some(),
+        emissive: m.emissive_factor.0.map(|f| f * strength),
+        diffuse_transmission: diffuse_transmission(v, textures)?,
         occlusion_texture: None,
-        unflipped_back_faces: unflipped(m),
+        unflipped_back_faces: unflipped(v),
     };
-    if let Some(gloss) = gloss {
-        out.base_color = floats(numbers(gloss, "diffuseFactor")?.unwrap_or([1.0; 4]));
-        out.base_color_texture = textures.reference(gloss, "diffuseTexture")?;
-        out.roughness = 1.0 - number(gloss, "glossinessFactor")?.unwrap_or(1.0) as f32;
+    if let Some(gloss) = &extensions.pbr_specular_glossiness {
+        out.base_color = gloss.diffuse_factor.0;
+        let texture = gloss.diffuse_texture.as_ref();
+        out.base_color_texture = textures.reference(texture, "diffuseTexture")?;
+        out.roughness = 1.0 - gloss.glossiness_factor.0;
         out.metallic = 0.0;
     }
-    if let Some(reference) = textures.reference(m, "occlusionTexture")? {
-        let strength = number(&m["occlusionTexture"], "strength")?.unwrap_or(1.0);
-        out.occlusion_texture = Some((reference, strength as f32));
+    if let Some(occlusion) = &m.occlusion_texture {
+        // Read once more as any other texture: the crate's own type leaves out its transform.
+        let info = typed(&v["occlusionTexture"])?;
+        let reference = textures.reference(Some(&info), "occlusionTexture")?;
+        out.occlusion_texture = reference.map(|r| (r, occlusion.strength.0));
     }
     Ok(out)
 }
@@ -175,39 +201,46 @@ fn unflipped(m: &Value) -> bool {
     m.get("extras").and_then(|e| e.get(KEEP_NORMALS)) == Some(&Value::Bool(true))
 }
 
-fn alpha_mode(m: &Value) -> Check<AlphaMode> {
-    let cutoff = number(m, "alphaCutoff")?.unwrap_or(0.5) as f32;
-    match text(m, "alphaMode")? {
-        None | Some("OPAQUE") => Ok(AlphaMode::Opaque),
-        Some("MASK") => Ok(AlphaMode::Mask { cutoff }),
-        Some("BLEND") => Ok(AlphaMode::Blend),
-        Some(other) => Err(format!("alphaMode {other} does not exist")),
+/// `KHR_materials_diffuse_transmission`, which the crate does not know.
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Transmission {
+    diffuse_transmission_factor: f32,
+    diffuse_transmission_texture: Option<Info>,
+    diffuse_transmission_color_factor: [f32; 3],
+    diffuse_transmission_color_texture: Option<Info>,
+}
+
+impl Default for Transmission {
+    fn default() -> Self {
+        Self {
+            diffuse_transmission_factor: 0.0,
+            diffuse_transmission_texture: None,
+            diffuse_transmission_color_factor: [1.0; 3],
+            diffuse_transmission_color_texture: None,
+        }
     }
 }
 
-fn emissive(m: &Value) -> Check<[f32; 3]> {
-    let factor = numbers(m, "emissiveFactor")?.unwrap_or([0.0; 3]);
-    let strength = match extension(m, "KHR_materials_emissive_strength") {
-        Some(e) => number(e, "emissiveStrength")?.unwrap_or(1.0),
-        None => 1.0,
-    };
-    Ok(floats(factor.map(|f| f * strength)))
-}
-
-fn diffuse_transmission(m: &Value, textures: &Textures) -> Check<Option<DiffuseTransmission>> {
-    let Some(e) = extension(m, "KHR_materials_diffuse_transmission") else {
+fn diffuse_transmission(v: &Value, textures: &Textures) -> Check<Option<DiffuseTransmission>> {
+    const NAME: &str = "KHR_materials_diffuse_transmission";
+    let Some(e) = extension(v, NAME) else {
         return Ok(None);
     };
+    let e: Transmission = typed(e).of(|| NAME.to_owned())?;
+    let texture = |info: &Option<Info>, key| textures.reference(info.as_ref(), key);
     Ok(Some(DiffuseTransmission {
-        factor: number(e, "diffuseTransmissionFactor")?.unwrap_or(0.0) as f32,
-        texture: textures.reference(e, "diffuseTransmissionTexture")?,
-        color: floats(numbers(e, "diffuseTransmissionColorFactor")?.unwrap_or([1.0; 3])),
-        color_texture: textures.reference(e, "diffuseTransmissionColorTexture")?,
+        factor: e.diffuse_transmission_factor,
+        texture: texture(
+            &e.diffuse_transmission_texture,
+            "diffuseTransmissionTexture",
+        )?,
+        color: e.diffuse_transmission_color_factor,
+        color_texture: texture(
+            &e.diffuse_transmission_color_texture,
+            "diffuseTransmissionColorTexture",
+        )?,
     }))
-}
-
-fn floats<const N: usize>(v: [f64; N]) -> [f32; N] {
-    v.map(|x| x as f32)
 }
 
 #[cfg(test)]
@@ -219,7 +252,7 @@ mod tests {
     fn a_texture_transform_scales_then_turns_then_shifts() {
         let quarter = std::f64::consts::FRAC_PI_2;
         let t = json!({"offset": [0.5, 0.25], "rotation": quarter, "scale": [2.0, 3.0]});
-        let m = transform(&t).unwrap();
+        let m = transform(&typed(&t).unwrap());
         // (1, 0) scaled is (2, 0); turned by +90 degrees it is (0, -2) with v down.
         let uv = [m[0][0] + m[0][2], m[1][0] + m[1][2]];
         assert!(

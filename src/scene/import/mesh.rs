@@ -1,9 +1,15 @@
 //! glTF meshes: attributes and triangles.
 
+use std::collections::BTreeMap;
+
+use gltf::json::accessor::{Accessor, ComponentType};
+use gltf::json::mesh::{Mode, Semantic};
+use gltf::json::validation::Checked;
+use gltf::json::{self, Index};
 use serde_json::Value;
 
-use super::accessor::{Component, Source};
-use super::json::{Check, Of, array, as_index, index, integer, label, name};
+use super::accessor::Source;
+use super::json::{Check, Of, at, known, label, list, name};
 use crate::scene::model::{Mesh, Primitive};
 
 /// What reading the meshes repaired or left out.
@@ -60,27 +66,32 @@ pub(super) fn meshes(
 ) -> Check<(Vec<Mesh>, Counts)> {
     let mut counts = Counts::default();
     let mut out = Vec::new();
-    for (i, mesh) in array(json, "meshes")?.iter().enumerate() {
+    for (i, (mesh, v)) in list::<json::Mesh>(json, "meshes", "mesh")?
+        .iter()
+        .enumerate()
+    {
         let mut primitives = Vec::new();
-        for (j, p) in array(mesh, "primitives")?.iter().enumerate() {
+        for (j, p) in mesh.primitives.iter().enumerate() {
             let reader = Reader {
                 source,
                 counts: &mut counts,
                 default_material,
             };
-            let read = reader.primitive(p);
-            if let Some(mut p) = read.of(|| format!("{} primitive {j}", label("mesh", i, mesh)))? {
+            let read = reader.primitive(p, &v["primitives"][j]);
+            if let Some(mut p) = read.of(|| format!("{} primitive {j}", label("mesh", i, v)))? {
                 p.source = Some((i, j));
                 primitives.push(p);
             }
         }
         out.push(Mesh {
-            name: name("mesh", i, mesh),
+            name: name("mesh", i, v),
             primitives,
         });
     }
     Ok((out, counts))
 }
+
+type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
 struct Reader<'a> {
     source: &'a Source<'a>,
@@ -89,29 +100,28 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn primitive(mut self, p: &Value) -> Check<Option<Primitive>> {
-        let mode = integer(p, "mode")?.unwrap_or(4);
-        if mode > 6 {
-            return Err(format!("mode {mode} does not exist"));
-        }
-        if mode < 4 {
+    fn primitive(mut self, p: &json::mesh::Primitive, v: &Value) -> Check<Option<Primitive>> {
+        let mode = known(p.mode, v, "mode")?;
+        if !matches!(
+            mode,
+            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
+        ) {
             self.counts.not_triangles += 1;
             return Ok(None);
         }
-        let none = Value::Null;
-        let attributes = p.get("attributes").unwrap_or(&none);
-        if attributes.get("POSITION").is_none() {
+        let attributes = &p.attributes;
+        let Some(&position) = attributes.get(&Checked::Valid(Semantic::Positions)) else {
             self.counts.without_position += 1;
             return Ok(None);
-        }
-        self.counts.morphed += usize::from(p.get("targets").is_some());
-        let positions = self.positions(attributes)?;
+        };
+        self.counts.morphed += usize::from(p.targets.is_some());
+        let positions = self.positions(position)?;
         let n = positions.len();
         let mut out = Primitive {
             material: self.material(p)?,
             normals: self.normals(attributes, n)?,
-            texcoords: self.texcoords(attributes, "TEXCOORD_0", n)?,
-            texcoords1: self.texcoords(attributes, "TEXCOORD_1", n)?,
+            texcoords: self.texcoords(attributes, 0, n)?,
+            texcoords1: self.texcoords(attributes, 1, n)?,
             colors: self.colors(attributes, n)?,
             ambient: self.ambient(attributes, n)?,
             positions,
@@ -121,14 +131,15 @@ impl Reader<'_> {
         Ok(Some(out))
     }
 
-    fn material(&mut self, p: &Value) -> Check<usize> {
-        let material = index(p, "material", self.default_material)?;
+    fn material(&mut self, p: &json::mesh::Primitive) -> Check<usize> {
+        let to_index = |m| at(m, "material", self.default_material);
+        let material = p.material.map(to_index).transpose()?;
         self.counts.default_material |= material.is_none();
         Ok(material.unwrap_or(self.default_material))
     }
 
-    fn positions(&self, attributes: &Value) -> Check<Vec<[f32; 3]>> {
-        let i = as_index(&attributes["POSITION"], "POSITION", self.source.len())?;
+    fn positions(&self, position: Index<Accessor>) -> Check<Vec<[f32; 3]>> {
+        let i = self.source.at(position, "POSITION")?;
         let positions = self.source.vectors::<3>(i).of(|| "POSITION".into())?;
         for (k, q) in positions.iter().enumerate() {
             if let Some(bad) = q.iter().find(|c| !c.is_finite()) {
@@ -140,11 +151,13 @@ impl Reader<'_> {
     }
 
     /// The accessor of an attribute, if it is there; its count must be `n`.
-    fn attribute(&self, attributes: &Value, key: &str, n: usize) -> Check<Option<usize>> {
-        let Some(i) = index(attributes, key, self.source.len())? else {
+    fn attribute(&self, all: &Attributes, which: Semantic, n: usize) -> Check<Option<usize>> {
+        let key = &which.to_string();
+        let Some(&i) = all.get(&Checked::Valid(which)) else {
             return Ok(None);
         };
-        let layout = self.source.layout(i).of(|| key.into())?;
+        let i = self.source.at(i, key)?;
+        let layout = self.source.layout(i).of(|| key.clone())?;
         if layout.count != n {
             return Err(format!(
                 "{key} has {} elements, POSITION has {n}",
@@ -154,8 +167,8 @@ impl Reader<'_> {
         Ok(Some(i))
     }
 
-    fn normals(&mut self, attributes: &Value, n: usize) -> Check<Vec<[f32; 3]>> {
-        let Some(i) = self.attribute(attributes, "NORMAL", n)? else {
+    fn normals(&mut self, attributes: &Attributes, n: usize) -> Check<Vec<[f32; 3]>> {
+        let Some(i) = self.attribute(attributes, Semantic::Normals, n)? else {
             return Ok(vec![]);
         };
         let mut normals = self.source.vectors::<3>(i).of(|| "NORMAL".into())?;
@@ -170,17 +183,20 @@ impl Reader<'_> {
         Ok(normals)
     }
 
-    fn texcoords(&mut self, attributes: &Value, key: &str, n: usize) -> Check<Vec<[f32; 2]>> {
-        let Some(i) = self.attribute(attributes, key, n)? else {
+    fn texcoords(&mut self, attributes: &Attributes, set: u32, n: usize) -> Check<Vec<[f32; 2]>> {
+        let Some(i) = self.attribute(attributes, Semantic::TexCoords(set), n)? else {
             return Ok(vec![]);
         };
-        let mut out = self.source.vectors::<2>(i).of(|| key.into())?;
+        let mut out = self
+            .source
+            .vectors::<2>(i)
+            .of(|| format!("TEXCOORD_{set}"))?;
         self.reset(&mut out, [0.0; 2]);
         Ok(out)
     }
 
-    fn colors(&mut self, attributes: &Value, n: usize) -> Check<Vec<[f32; 4]>> {
-        let Some(i) = self.attribute(attributes, "COLOR_0", n)? else {
+    fn colors(&mut self, attributes: &Attributes, n: usize) -> Check<Vec<[f32; 4]>> {
+        let Some(i) = self.attribute(attributes, Semantic::Colors(0), n)? else {
             return Ok(vec![]);
         };
         let read = || -> Check<Vec<[f32; 4]>> {
@@ -196,8 +212,10 @@ impl Reader<'_> {
         Ok(out)
     }
 
-    fn ambient(&mut self, attributes: &Value, n: usize) -> Check<Vec<f32>> {
-        let Some(i) = self.attribute(attributes, "_AMBIENT", n)? else {
+    fn ambient(&mut self, attributes: &Attributes, n: usize) -> Check<Vec<f32>> {
+        // The crate takes the underscore off names that are not glTF's own.
+        let which = Semantic::Extras("AMBIENT".into());
+        let Some(i) = self.attribute(attributes, which, n)? else {
             return Ok(vec![]);
         };
         if self.source.layout(i)?.width != 1 {
@@ -217,10 +235,11 @@ impl Reader<'_> {
         }
     }
 
-    fn triangles(&mut self, p: &Value, mode: usize, n: usize) -> Check<Vec<u32>> {
-        let list = match index(p, "indices", self.source.len())? {
+    fn triangles(&mut self, p: &json::mesh::Primitive, mode: Mode, n: usize) -> Check<Vec<u32>> {
+        let list = match p.indices {
             Some(i) => {
-                if self.source.layout(i)?.component == Component::F32 {
+                let i = self.source.at(i, "indices")?;
+                if self.source.layout(i)?.component == ComponentType::F32 {
                     return Err("indices: floats cannot be indices".into());
                 }
                 self.source.indices(i).of(|| "indices".into())?
@@ -231,8 +250,8 @@ impl Reader<'_> {
             return Err(format!("index[{k}] is {i}, but there are {n} vertices"));
         }
         Ok(match mode {
-            5 => strip(&list),
-            6 => fan(&list),
+            Mode::TriangleStrip => strip(&list),
+            Mode::TriangleFan => fan(&list),
             _ => {
                 self.counts.loose_indices += list.len() % 3;
                 let whole = list.len() - list.len() % 3;

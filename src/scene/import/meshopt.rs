@@ -3,18 +3,36 @@
 
 use std::collections::BTreeSet;
 
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::validation::Checked;
+use gltf::json::{Buffer, Index};
 use meshopt::{
     decode_filter_exp, decode_filter_oct, decode_filter_quat, decode_index_buffer,
     decode_index_sequence, decode_vertex_buffer,
 };
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 use super::accessor::Source;
-use super::json::{Check, Of, array, extension, index, integer, required, text};
+use super::json::{Check, Of, array, at, extension, integer, typed};
 
 const NAME: &str = "EXT_meshopt_compression";
 /// Most bytes all views of a file may decode to.
 const DECODED_LIMIT: usize = 2 << 30;
+
+/// The extension's object.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Compressed {
+    buffer: Index<Buffer>,
+    #[serde(default)]
+    byte_offset: usize,
+    byte_length: usize,
+    byte_stride: usize,
+    count: usize,
+    mode: String,
+    filter: Option<String>,
+}
 
 /// Decodes every compressed view of `json`; the bytes become a new last buffer.
 pub(super) fn expand(json: &mut Value, buffers: &mut Vec<Vec<u8>>) -> Check<()> {
@@ -24,15 +42,17 @@ pub(super) fn expand(json: &mut Value, buffers: &mut Vec<Vec<u8>>) -> Check<()> 
         let Some(e) = extension(view, NAME) else {
             continue;
         };
-        let bytes = decode(e, buffers, out.len()).of(|| format!("bufferView {i}: {NAME}"))?;
-        if required(view, "byteLength")? > bytes.len() {
+        let of = || format!("bufferView {i}: {NAME}");
+        let e: Compressed = typed(e).of(of)?;
+        let bytes = decode(&e, buffers, out.len()).of(of)?;
+        if integer(view, "byteLength").is_none_or(|length| length > bytes.len()) {
             return Err(format!(
                 "bufferView {i}: {NAME}: decodes to {} bytes",
                 bytes.len()
             ));
         }
         out.resize(out.len().next_multiple_of(4), 0);
-        places.push((i, out.len(), bytes.len(), integer(e, "byteStride")?));
+        places.push((i, out.len(), bytes.len(), e.byte_stride));
         out.extend(bytes);
     }
     if places.is_empty() {
@@ -72,14 +92,15 @@ pub(super) fn expand(json: &mut Value, buffers: &mut Vec<Vec<u8>>) -> Check<()> 
 fn restate_bounds(json: &mut Value, buffers: &[Vec<u8>], expanded: &BTreeSet<usize>) -> Check<()> {
     let source = Source::new(json, buffers)?;
     let mut bounds = Vec::new();
-    for (i, accessor) in array(json, "accessors")?.iter().enumerate() {
-        let view = integer(accessor, "bufferView")?;
-        let stated = accessor.get("min").is_some() && accessor.get("max").is_some();
-        let float = integer(accessor, "componentType")? == Some(5126);
-        if !stated || !float || !view.is_some_and(|v| expanded.contains(&v)) {
+    for (i, accessor) in source.accessors().enumerate() {
+        let view = accessor.buffer_view.map(|v| v.value());
+        let stated = accessor.min.is_some() && accessor.max.is_some();
+        if !stated || !view.is_some_and(|v| expanded.contains(&v)) {
             continue;
         }
-        if text(accessor, "type")? == Some("VEC3") {
+        let component = accessor.component_type;
+        let float = matches!(component, Checked::Valid(c) if c.0 == ComponentType::F32);
+        if float && accessor.type_ == Checked::Valid(Type::Vec3) {
             let values = source.vectors::<3>(i)?;
             let range = |pick: fn(f32, f32) -> f32| {
                 let all = values.iter().copied();
@@ -106,24 +127,22 @@ fn remove_extension(v: &mut Value) {
     }
 }
 
-fn decode(e: &Value, buffers: &[Vec<u8>], spent: usize) -> Check<Vec<u8>> {
-    let buffer = index(e, "buffer", buffers.len())?.ok_or("\"buffer\" is missing")?;
-    let start = integer(e, "byteOffset")?.unwrap_or(0);
-    let end = start.saturating_add(required(e, "byteLength")?);
+fn decode(e: &Compressed, buffers: &[Vec<u8>], spent: usize) -> Check<Vec<u8>> {
+    let buffer = at(e.buffer, "buffer", buffers.len())?;
     let data = buffers[buffer]
-        .get(start..end)
+        .get(e.byte_offset..e.byte_offset.saturating_add(e.byte_length))
         .ok_or_else(|| format!("its bytes pass the end of buffer {buffer}"))?;
-    let (count, stride) = (required(e, "count")?, required(e, "byteStride")?);
+    let (count, stride) = (e.count, e.byte_stride);
     let total = count.saturating_mul(stride).saturating_add(spent);
     // The codec never packs more than 256 elements of 256 bytes into less than a byte each.
     if total > DECODED_LIMIT || count / 256 > data.len() {
         return Err(format!("{count} elements of {stride} bytes are too many"));
     }
     let damaged = |e: meshopt::Error| format!("the data is damaged: {e}");
-    match (text(e, "mode")?.unwrap_or_default(), stride) {
+    match (e.mode.as_str(), stride) {
         ("ATTRIBUTES", _) => {
             let mut bytes = attributes(data, count, stride)?;
-            filter(&mut bytes, text(e, "filter")?.unwrap_or("NONE"), stride)?;
+            filter(&mut bytes, e.filter.as_deref().unwrap_or("NONE"), stride)?;
             Ok(bytes)
         }
         ("TRIANGLES", 2) if count % 3 == 0 => {

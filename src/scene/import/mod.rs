@@ -2,7 +2,7 @@
 
 pub(in crate::scene) mod accessor;
 mod container;
-pub(in crate::scene) mod gltf;
+mod document;
 pub(in crate::scene) mod json;
 mod limits;
 pub(in crate::scene) mod material;
@@ -10,6 +10,7 @@ mod mesh;
 mod meshopt;
 mod mtl;
 pub(in crate::scene) mod nodes;
+mod numbers;
 mod obj;
 mod obj_materials;
 mod overrides;
@@ -49,7 +50,7 @@ pub fn from_bytes(bytes: &[u8], path: impl AsRef<Path>, options: &LoadOptions) -
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
     let model = if container::is_glb(bytes) || container::is_json(bytes) {
-        gltf::read(bytes, path, options)
+        document::read(bytes, path, options)
     } else if is_obj {
         obj::read(bytes, path, options)
     } else if bytes.is_empty() {

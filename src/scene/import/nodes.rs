@@ -1,13 +1,18 @@
 //! The node graph: placements of meshes and lights in world coordinates.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use gltf::json::accessor::Accessor;
+use gltf::json::extensions::scene::khr_lights_punctual::{Light, Spot, Type};
+use gltf::json::{Index, Node};
+use serde::Deserialize;
 use serde_json::Value;
 
 use super::accessor::Source;
-use super::json::{
-    Check, Of, array, as_index, extension, index, label, name, number, numbers, text,
-};
+use super::json::{Check, Of, array, at, extension, known, label, list, name, typed};
 use crate::scene::model::{Instance, LightKind, PunctualLight};
+
+/// A node and its JSON.
+type Item<'a> = (Node, &'a Value);
 
 /// What the scene places.
 #[derive(Debug, Default)]
@@ -20,8 +25,8 @@ pub(super) struct Placed {
 
 /// Walks the default scene (or the first, or all roots when there is no scene).
 pub(super) fn place(json: &Value, source: &Source<'_>, meshes: usize) -> Check<Placed> {
-    let nodes = array(json, "nodes")?;
-    let children = tree(nodes)?;
+    let nodes: Vec<Item<'_>> = list(json, "nodes", "node")?;
+    let children = tree(&nodes)?;
     let mut stack: Vec<(usize, DAffine3)> = roots(json, nodes.len(), &children)?
         .into_iter()
         .rev()
@@ -30,14 +35,14 @@ pub(super) fn place(json: &Value, source: &Source<'_>, meshes: usize) -> Check<P
     let mut walk = Walk {
         source,
         lights: extension(json, "KHR_lights_punctual")
-            .map_or(Ok(&[][..]), |e| array(e, "lights"))?,
+            .map_or_else(|| Ok(vec![]), |e| list(e, "lights", "light"))?,
         meshes,
         seen: vec![false; nodes.len()],
         out: Placed::default(),
     };
     while let Some((i, parent)) = stack.pop() {
-        let node = &nodes[i];
-        if let Some(world) = walk.node(i, node, parent).of(|| label("node", i, node))? {
+        let read = walk.node(i, &nodes[i], parent);
+        if let Some(world) = read.of(|| label("node", i, nodes[i].1))? {
             stack.extend(children[i].iter().rev().map(|&c| (c, world)));
         }
     }
@@ -45,13 +50,13 @@ pub(super) fn place(json: &Value, source: &Source<'_>, meshes: usize) -> Check<P
 }
 
 /// Children of every node; a node with two parents or in a cycle is an error.
-fn tree(nodes: &[Value]) -> Check<Vec<Vec<usize>>> {
+fn tree(nodes: &[Item<'_>]) -> Check<Vec<Vec<usize>>> {
     let mut parent = vec![None; nodes.len()];
     let mut children = Vec::with_capacity(nodes.len());
-    for (i, node) in nodes.iter().enumerate() {
+    for (i, (node, v)) in nodes.iter().enumerate() {
         let mut list = Vec::new();
-        for c in array(node, "children").of(|| label("node", i, node))? {
-            let c = as_index(c, "children", nodes.len()).of(|| label("node", i, node))?;
+        for &c in node.children.iter().flatten() {
+            let c = at(c, "children", nodes.len()).of(|| label("node", i, v))?;
             if let Some(other) = parent[c].replace(i) {
                 return Err(format!(
                     "node {c} is a child of node {other} and of node {i}"
@@ -77,14 +82,20 @@ fn tree(nodes: &[Value]) -> Check<Vec<Vec<usize>>> {
 }
 
 fn roots(json: &Value, nodes: usize, children: &[Vec<usize>]) -> Check<Vec<usize>> {
+    // Without the crate's type for scenes, which wants `nodes` to be there.
     let scenes = array(json, "scenes")?;
-    let scene = index(json, "scene", scenes.len())?.unwrap_or(0);
-    if let Some(scene_object) = scenes.get(scene) {
-        return array(scene_object, "nodes")?
-            .iter()
-            .map(|n| as_index(n, "nodes", nodes))
-            .collect::<Check<_>>()
-            .of(|| label("scene", scene, scene_object));
+    let scene = match json.get("scene") {
+        Some(v) => at(
+            typed::<Index<Value>>(v).of(|| "\"scene\"".into())?,
+            "scene",
+            scenes.len(),
+        )?,
+        None => 0,
+    };
+    if let Some(v) = scenes.get(scene) {
+        let read = |n| at(typed::<Index<Node>>(n)?, "nodes", nodes);
+        let list = array(v, "nodes").and_then(|l| l.iter().map(read).collect());
+        return list.of(|| label("scene", scene, v));
     }
     let mut is_child = vec![false; nodes];
     for &c in children.iter().flatten() {
@@ -95,7 +106,7 @@ fn roots(json: &Value, nodes: usize, children: &[Vec<usize>]) -> Check<Vec<usize
 
 struct Walk<'a> {
     source: &'a Source<'a>,
-    lights: &'a [Value],
+    lights: Vec<(Light, &'a Value)>,
     meshes: usize,
     seen: Vec<bool>,
     out: Placed,
@@ -103,34 +114,38 @@ struct Walk<'a> {
 
 impl Walk<'_> {
     /// Places what `node` bears; its world transform, or `None` when it is hidden.
-    fn node(&mut self, i: usize, node: &Value, parent: DAffine3) -> Check<Option<DAffine3>> {
+    fn node(&mut self, i: usize, item: &Item<'_>, parent: DAffine3) -> Check<Option<DAffine3>> {
+        let (node, v) = item;
         if std::mem::replace(&mut self.seen[i], true) {
             return Err("is reached twice from the scene".into());
         }
-        let visibility = extension(node, "KHR_node_visibility");
+        let visibility = extension(v, "KHR_node_visibility");
         if visibility.is_some_and(|v| v.get("visible") == Some(&Value::Bool(false))) {
             self.out.hidden += 1;
             return Ok(None);
         }
-        let world = parent * local(node)?;
+        let world = parent * local(v)?;
         if !world.is_finite() {
             return Err("its transform is not finite".into());
         }
-        if let Some(mesh) = index(node, "mesh", self.meshes)? {
-            self.mesh(i, node, mesh, world)?;
+        if let Some(mesh) = node.mesh {
+            let mesh = at(mesh, "mesh", self.meshes)?;
+            self.mesh(i, item, mesh, world)?;
         }
-        if let Some(e) = extension(node, "KHR_lights_punctual") {
-            let light = index(e, "light", self.lights.len())?.ok_or("\"light\" is missing")?;
-            let v = &self.lights[light];
-            let light = punctual(v, world).of(|| label("light", light, v))?;
+        let lit = node.extensions.as_ref();
+        if let Some(e) = lit.and_then(|e| e.khr_lights_punctual.as_ref()) {
+            let k = at(e.light, "light", self.lights.len())?;
+            let (light, v) = &self.lights[k];
+            let light = punctual(light, v, world).of(|| label("light", k, v))?;
             self.out.lights.push(light);
         }
         Ok(Some(world))
     }
 
-    fn mesh(&mut self, i: usize, node: &Value, mesh: usize, world: DAffine3) -> Check<()> {
-        let title = name("node", i, node);
-        if let Some(e) = extension(node, "EXT_mesh_gpu_instancing") {
+    fn mesh(&mut self, i: usize, item: &Item<'_>, mesh: usize, world: DAffine3) -> Check<()> {
+        let (node, v) = item;
+        let title = name("node", i, v);
+        if let Some(e) = extension(v, "EXT_mesh_gpu_instancing") {
             let transforms = instancing(e, self.source).of(|| "EXT_mesh_gpu_instancing".into())?;
             for (k, t) in transforms.iter().enumerate() {
                 self.out.instances.push(Instance {
@@ -143,7 +158,7 @@ impl Walk<'_> {
             return Ok(());
         }
         // A skinned mesh ignores its node's transform (glTF 2.0, 3.7.3.3).
-        let skinned = node.get("skin").is_some();
+        let skinned = node.skin.is_some();
         self.out.skinned += usize::from(skinned);
         self.out.instances.push(Instance {
             name: title,
@@ -155,23 +170,47 @@ impl Walk<'_> {
     }
 }
 
+/// The transform of a node as the crate has it, but in f64: a plant at 5 000 000 m would
+/// stand half a metre beside its place.
+#[derive(Deserialize)]
+struct Transform {
+    matrix: Option<[f64; 16]>,
+    translation: Option<[f64; 3]>,
+    rotation: Option<[f64; 4]>,
+    scale: Option<[f64; 3]>,
+}
+
 /// Local transform of a node.
 fn local(node: &Value) -> Check<DAffine3> {
-    if let Some(m) = numbers::<16>(node, "matrix")? {
+    let t: Transform = typed(node)?;
+    if let Some(m) = t.matrix {
         let column = |c: usize| DVec3::new(m[4 * c], m[4 * c + 1], m[4 * c + 2]);
         return Ok(DAffine3 {
             matrix3: DMat3::from_cols(column(0), column(1), column(2)),
             translation: column(3),
         });
     }
-    let t = numbers(node, "translation")?.unwrap_or([0.0; 3]);
-    let s = numbers(node, "scale")?.unwrap_or([1.0; 3]);
-    let r = numbers(node, "rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
     Ok(DAffine3::from_scale_rotation_translation(
-        s.into(),
-        unit(DQuat::from_array(r))?,
-        t.into(),
+        t.scale.unwrap_or([1.0; 3]).into(),
+        unit(DQuat::from_array(
+            t.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+        ))?,
+        t.translation.unwrap_or([0.0; 3]).into(),
     ))
+}
+
+/// `EXT_mesh_gpu_instancing`; attributes of other programs are left alone.
+#[derive(Deserialize)]
+struct Instancing {
+    attributes: InstanceAttributes,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+struct InstanceAttributes {
+    translation: Option<Index<Accessor>>,
+    rotation: Option<Index<Accessor>>,
+    scale: Option<Index<Accessor>>,
 }
 
 fn unit(q: DQuat) -> Check<DQuat> {
@@ -185,10 +224,10 @@ fn unit(q: DQuat) -> Check<DQuat> {
 
 /// Transforms of `EXT_mesh_gpu_instancing`, relative to the node.
 pub(in crate::scene) fn instancing(e: &Value, source: &Source<'_>) -> Check<Vec<DAffine3>> {
-    let none = Value::Null;
-    let attributes = e.get("attributes").unwrap_or(&none);
-    let get = |key| index(attributes, key, source.len());
-    let (t, r, s) = (get("TRANSLATION")?, get("ROTATION")?, get("SCALE")?);
+    let a = typed::<Instancing>(e)?.attributes;
+    let get = |i: Option<_>, key| i.map(|i| source.at(i, key)).transpose();
+    let t = get(a.translation, "TRANSLATION")?;
+    let (r, s) = (get(a.rotation, "ROTATION")?, get(a.scale, "SCALE")?);
     let mut count = None;
     for i in [t, r, s].into_iter().flatten() {
         let n = source.layout(i)?.count;
@@ -220,28 +259,22 @@ pub(in crate::scene) fn instancing(e: &Value, source: &Source<'_>) -> Check<Vec<
         .collect()
 }
 
-fn punctual(light: &Value, world: DAffine3) -> Check<PunctualLight> {
-    let kind = match text(light, "type")?.ok_or("\"type\" is missing")? {
-        "directional" => LightKind::Directional,
-        "point" => LightKind::Point,
-        "spot" => {
-            let none = Value::Null;
-            let spot = light.get("spot").unwrap_or(&none);
-            let outer = number(spot, "outerConeAngle")?.unwrap_or(std::f64::consts::FRAC_PI_4);
-            LightKind::Spot {
-                inner: number(spot, "innerConeAngle")?.unwrap_or(0.0) as f32,
-                outer: outer as f32,
-            }
+fn punctual(light: &Light, v: &Value, world: DAffine3) -> Check<PunctualLight> {
+    let kind = match known(light.type_, v, "type")? {
+        Type::Directional => LightKind::Directional,
+        Type::Point => LightKind::Point,
+        Type::Spot => {
+            let angles = |s: &Spot| (s.inner_cone_angle, s.outer_cone_angle);
+            let none = (0.0, std::f32::consts::FRAC_PI_4);
+            let (inner, outer) = light.spot.as_ref().map_or(none, angles);
+            LightKind::Spot { inner, outer }
         }
-        other => return Err(format!("type {other} does not exist")),
     };
-    let intensity = number(light, "intensity")?.unwrap_or(1.0);
-    let color = numbers(light, "color")?.unwrap_or([1.0; 3]);
     Ok(PunctualLight {
         kind,
-        color: color.map(|c| (c * intensity) as f32),
+        color: light.color.map(|c| c * light.intensity),
         position: world.translation,
         direction: (world.matrix3 * DVec3::NEG_Z).normalize_or(DVec3::NEG_Z),
-        range: number(light, "range")?.map_or(f32::INFINITY, |r| r as f32),
+        range: light.range.unwrap_or(f32::INFINITY),
     })
 }

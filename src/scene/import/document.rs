@@ -1,7 +1,8 @@
 //! glTF 2.0 and GLB: from bytes to a model.
 //!
-//! The structure is read from the JSON directly, every index and size checked at its use, so
-//! that a damaged file gives a sentence and never a panic.
+//! Container and JSON types are those of the `gltf` crate; its own reader and validation are not
+//! used, since they refuse extensions that umbrage reads. Every index and size is checked at its
+//! use, so that a damaged file gives a sentence and never a panic.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use serde_json::Value;
 
 use super::accessor::Source;
 use super::json::Check;
-use super::{LoadOptions, container, limits, material, mesh, meshopt, nodes, overrides};
+use super::{LoadOptions, container, limits, material, mesh, meshopt, nodes, numbers, overrides};
 use crate::scene::extensions;
 use crate::scene::gltf_document::GltfDocument;
 use crate::scene::model::{Material, Model};
@@ -19,8 +20,9 @@ use crate::scene::model::{Material, Model};
 pub(super) fn read(bytes: &[u8], path: &Path, options: &LoadOptions) -> Check<Model> {
     let (mut json, bin) = container::parse(bytes)?;
     let mut warnings = extensions::check(&json)?;
+    numbers::check(&mut json)?;
     let folder = path.parent().unwrap_or(Path::new("."));
-    let mut buffers = container::buffers(&json, bin.map(|r| &bytes[r]), folder)?;
+    let mut buffers = container::buffers(&json, bin.as_deref(), folder)?;
     meshopt::expand(&mut json, &mut buffers)?;
     overrides::apply(&mut json, &mut buffers, &options.textures)?;
     let mut model = build(&json, &buffers, folder)?;
@@ -35,7 +37,7 @@ pub(super) fn read(bytes: &[u8], path: &Path, options: &LoadOptions) -> Check<Mo
 }
 
 /// The model that a document with its buffers describes.
-pub(in crate::scene) fn build(json: &Value, buffers: &[Vec<u8>], folder: &Path) -> Check<Model> {
+fn build(json: &Value, buffers: &[Vec<u8>], folder: &Path) -> Check<Model> {
     let source = Source::new(json, buffers)?;
     let images = material::images(json, &source, folder)?;
     let textures = material::Textures::read(json, images.len())?;
