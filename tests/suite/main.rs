@@ -10,6 +10,8 @@ mod cli;
 mod cli_work;
 mod dependencies;
 mod export;
+mod export_fixture;
+mod export_fresh;
 mod fixture;
 mod foliage_encode;
 mod foliage_field;
