@@ -1,7 +1,6 @@
 //! Ambient coefficients (Luft, Balzer, Deussen 2007, section 3.2) of foliage and of what it covers.
 
 use super::bake::Stats;
-use super::field::Field;
 use super::openness::{self, Skylight};
 use super::recorder::{Recorder, Store, Use};
 use super::settings::{AmbientMode, Threshold};
@@ -49,11 +48,7 @@ fn transfer(
     stats: &mut Stats,
 ) -> Result<(Store, Option<Store>)> {
     let s = f.scene.settings;
-    let field = Field {
-        generators: f.sources.weights.as_ref().expect("made for equation 4"),
-        radius: s.rho_ambient,
-        norm: s.norm,
-    };
+    let field = f.sources.field(s.rho_ambient, s.norm);
     let on_foliage = field.at_queries(
         r,
         "ambient density at foliage",

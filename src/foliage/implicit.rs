@@ -102,7 +102,7 @@ pub(super) fn directions(
     stats: &mut Stats,
 ) -> Result<Store> {
     let s = scene.settings;
-    let field = field(scene, sources);
+    let field = sources.field(s.rho, s.norm);
     let surface = device_surface(r, scene, &field, foliage, stats)?;
     let target = match s.normals {
         NormalsMode::Vertex => Target::Vertices,
@@ -119,15 +119,6 @@ pub(super) fn directions(
     Ok(found)
 }
 
-/// The field of the normals' radius.
-pub(super) fn field<'a>(scene: &Scene<'_>, sources: &'a Sources) -> Field<'a> {
-    Field {
-        generators: sources.weights.as_ref().expect("made for normals"),
-        radius: scene.settings.rho,
-        norm: scene.settings.norm,
-    }
-}
-
 /// The surface of the scene's foliage in metres, relative to the geometry's origin.
 pub(super) fn mesh(
     r: &mut Recorder<'_>,
@@ -136,7 +127,7 @@ pub(super) fn mesh(
     foliage: &Vertices<'_>,
     stats: &mut Stats,
 ) -> Result<Surface> {
-    let field = field(scene, sources);
+    let field = sources.field(scene.settings.rho, scene.settings.norm);
     let mut mesh = device_surface(r, scene, &field, foliage, stats)?.download(r)?;
     for p in &mut mesh.positions {
         *p = scene.frame.restore(*p);
@@ -152,7 +143,9 @@ pub(super) fn density(
 ) -> Result<DensityGrid> {
     let s = scene.settings;
     let grid = NodeGrid::around(scene.frame.half, f64::from(s.rho), s.cells, s.memory)?;
-    let on_device = field(scene, sources).on_grid(r, "density grid", &grid)?;
+    let on_device = sources
+        .field(s.rho, s.norm)
+        .on_grid(r, "density grid", &grid)?;
     let mut values = r.fetch::<f32>("density grid", &on_device, || vec![0.0])?;
     values.truncate(grid.node_count());
     Ok(DensityGrid {

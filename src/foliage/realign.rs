@@ -1,7 +1,6 @@
 //! Realigned normals of foliage vertices (Luft, Balzer, Deussen 2007, section 3.3).
 
 use super::bake::Stats;
-use super::field::Field;
 use super::implicit;
 use super::recorder::{Kernel, Recorder, Store, Use};
 use super::settings::NormalsMode;
@@ -23,41 +22,24 @@ pub(super) fn directions(
     if s.needs_surface() {
         return implicit::directions(r, scene, sources, foliage, stats);
     }
-    let near = Field {
-        generators: sources.weights.as_ref().expect("made for normals"),
-        radius: s.rho,
-        norm: s.norm,
-    };
-    let wide = Field {
-        radius: 2.0 * s.rho,
-        ..near
-    };
+    let near = sources.field(s.rho, s.norm);
+    let wide = sources.field(2.0 * s.rho, s.norm);
+    let at = &foliage.queries;
+    let near = near.at_queries(r, "field at foliage", at, abi::FIELD_GRADIENT)?;
+    let wide =
+        |r: &mut Recorder<'_>| wide.at_queries(r, "wide field at foliage", at, abi::FIELD_GRADIENT);
     let steps = Steps::new(r, foliage.numbers.len(), s.rho)?;
     match s.normals {
         NormalsMode::Gradient => {
-            let near =
-                near.at_queries(r, "field at foliage", &foliage.queries, abi::FIELD_GRADIENT)?;
             let missing = steps.run(r, abi::DIRECTIONS_SINGLE, &near, &near)?;
             if missing > 0 {
-                let wide = wide.at_queries(
-                    r,
-                    "wide field at foliage",
-                    &foliage.queries,
-                    abi::FIELD_GRADIENT,
-                )?;
+                let wide = wide(r)?;
                 stats.kept_normals = steps.run(r, abi::DIRECTIONS_FILL, &wide, &wide)?;
                 stats.wide_fallbacks = missing - stats.kept_normals;
             }
         }
         NormalsMode::Multiscale => {
-            let near =
-                near.at_queries(r, "field at foliage", &foliage.queries, abi::FIELD_GRADIENT)?;
-            let wide = wide.at_queries(
-                r,
-                "wide field at foliage",
-                &foliage.queries,
-                abi::FIELD_GRADIENT,
-            )?;
+            let wide = wide(r)?;
             stats.kept_normals = steps.run(r, abi::DIRECTIONS_MEAN, &near, &wide)?;
         }
         mode => unreachable!("{mode} is handled before the field modes"),

@@ -5,14 +5,14 @@ use super::ambient::{self, AmbientFields};
 use super::bake::{Bake, Stats};
 use super::bins::BinGrid;
 use super::cutout;
-use super::field::Queries;
+use super::field::{Field, Queries};
 use super::frame::Frame;
 use super::generators::{self, BinnedGenerators, Generators, SortedGenerators};
 use super::implicit;
 use super::openness::{self, Skylight, Triangles};
 use super::realign;
 use super::recorder::{Kernel, Recorder, Store, Use};
-use super::settings::{AmbientMode, Encoding, NormalsMode, Settings};
+use super::settings::{AmbientMode, Encoding, Norm, NormalsMode, Settings};
 use super::split::{Leaves, Split};
 use super::subset;
 use super::surface::{DensityGrid, Surface};
@@ -101,6 +101,17 @@ pub(super) struct Sources {
     pub(super) generators: Generators,
     /// Weights.
     pub(super) weights: Option<SortedGenerators>,
+}
+
+impl Sources {
+    /// The field of the generators' weights with `radius`.
+    pub(super) fn field(&self, radius: f32, norm: Norm) -> Field<'_> {
+        Field {
+            generators: self.weights.as_ref().expect("made where a field is used"),
+            radius,
+            norm,
+        }
+    }
 }
 
 /// Results of the device on their way to the host.
