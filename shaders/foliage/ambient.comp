@@ -19,7 +19,8 @@ float transfer(float d) {
     if (d >= push.d_min) {
         return push.k_min;
     }
-    float rest = 1.0 - d / push.d_min;
+    // The difference of neighbours is exact; 1 - d / d_min would leave a root of rounding errors.
+    float rest = (push.d_min - d) / push.d_min;
     return push.k_min + (1.0 - push.k_min) * (push.exponent == 1.0 ? rest : pow(rest, push.exponent));
 }
 

@@ -88,7 +88,7 @@ pub fn surface(gpu: &Gpu, q: &SurfaceQuestion<'_>) -> Result<SurfaceAnswer> {
         face: Vec::new(),
         exact: Vec::new(),
     };
-    if device.triangle_count == 0 || q.queries.is_empty() {
+    if device.triangle_count == 0 {
         return Ok(answer);
     }
     let points = r.upload("query points", q.queries)?;
@@ -100,11 +100,15 @@ pub fn surface(gpu: &Gpu, q: &SurfaceQuestion<'_>) -> Result<SurfaceAnswer> {
     let by_face = nearest::nearest(r, &device, &queries, Target::Faces, reach)?;
     let face = nearest::normals(r, &device, &by_face, n)?;
     let numbers: Vec<[f32; 4]> = r.fetch("nearest", &by_vertex.found, Vec::new)?;
-    answer.nearest_vertex = numbers.iter().map(|v| v[0].to_bits()).collect();
+    // An empty buffer still has room for one.
+    answer.nearest_vertex = numbers.iter().take(n).map(|v| v[0].to_bits()).collect();
     answer.vertex = r.fetch("vertex normals", &vertex, Vec::new)?;
+    answer.vertex.truncate(n);
     answer.face = r.fetch("face normals", &face, Vec::new)?;
+    answer.face.truncate(n);
     nearest::exact(r, (&field, q.tau), &device, &queries, &by_face, &face)?;
     answer.exact = r.fetch("exact normals", &face, Vec::new)?;
+    answer.exact.truncate(n);
     Ok(answer)
 }
 

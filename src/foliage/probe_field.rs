@@ -185,24 +185,50 @@ pub fn transfer(gpu: &Gpu, density: &[f32], push: abi::AmbientTransfer) -> Resul
     })
 }
 
-/// Directions of two gradients (density first) in a mode of `directions.comp`.
+/// Directions of two gradients (density first) in a mode of `directions.comp`, and how many are
+/// missing.
 ///
 /// # Errors
 /// A failing device.
 pub fn directions(
     gpu: &Gpu,
     mode: u32,
-    near: &[[f32; 4]],
-    wide: &[[f32; 4]],
+    gradients: (&[[f32; 4]], &[[f32; 4]]),
     radius: f32,
-) -> Result<Vec<[f32; 4]>> {
-    run(gpu, near.len(), |r| {
+) -> Result<(Vec<[f32; 4]>, usize)> {
+    directions_in_steps(gpu, &[mode], gradients, radius)
+}
+
+/// Directions of the first gradient, the gaps filled from the second, and how many are left.
+///
+/// # Errors
+/// A failing device.
+pub fn filled_directions(
+    gpu: &Gpu,
+    gradients: (&[[f32; 4]], &[[f32; 4]]),
+    radius: f32,
+) -> Result<(Vec<[f32; 4]>, usize)> {
+    let modes = [abi::DIRECTIONS_SINGLE, abi::DIRECTIONS_FILL];
+    directions_in_steps(gpu, &modes, gradients, radius)
+}
+
+fn directions_in_steps(
+    gpu: &Gpu,
+    modes: &[u32],
+    (near, wide): (&[[f32; 4]], &[[f32; 4]]),
+    radius: f32,
+) -> Result<(Vec<[f32; 4]>, usize)> {
+    let mut missing = 0;
+    let found = run(gpu, near.len(), |r| {
         let near_store = r.upload("near", near)?;
         let wide_store = r.upload("wide", wide)?;
         let steps = realign::Steps::new(r, near.len(), radius)?;
-        steps.run(r, mode, &near_store, &wide_store)?;
+        for &mode in modes {
+            missing = steps.run(r, mode, &near_store, &wide_store)?;
+        }
         Ok(steps.found)
-    })
+    })?;
+    Ok((found, missing))
 }
 
 /// Normals blended with directions.

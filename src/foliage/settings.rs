@@ -53,6 +53,9 @@ macro_rules! named {
 named! {
     /// What makes one generator (\[LBD\] 3.1: "a generator point for each geometric primitive").
     Primitive {
+        /// `triangle` where the leaves are few and large, `leaf` otherwise ([`super::split::Leaves`]
+        /// has the rule).
+        Auto = "auto",
         /// A connected component of the foliage mesh, joined by equal positions.
         Leaf = "leaf",
         /// Every triangle, so that a card of two triangles counts twice.
@@ -228,7 +231,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            primitive: Primitive::Leaf,
+            primitive: Primitive::Auto,
             fraction: 1.0,
             most_generators: 10_000,
             sampling: Sampling::Stratified,

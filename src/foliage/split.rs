@@ -123,9 +123,17 @@ pub struct Leaves {
     pub triangles: Vec<u32>,
 }
 
+/// Below so many leaves `auto` takes their triangles: as many points make no field, and leaves that
+/// are so few are clusters or fronds, large against the radius (docs/foliage-choices.md).
+const FEW_LEAVES: usize = 256;
+
+/// Triangles that these leaves must have in the mean: a few plain cards stay leaves.
+const LARGE_LEAF: usize = 4;
+
 impl Leaves {
     /// Groups triangles: each alone, or connected by equal positions. Leaves are numbered by their
-    /// first triangle.
+    /// first triangle. `Auto` takes the triangles where leaves are fewer than 256 and have four
+    /// triangles or more in the mean.
     #[must_use]
     pub fn new(positions: &[Vec3], indices: &[u32], primitive: Primitive) -> Self {
         let count = indices.len() / 3;
@@ -135,6 +143,14 @@ impl Leaves {
                 triangles: (0..count as u32).collect(),
             },
             Primitive::Leaf => Self::from_labels(&leaf_labels(positions, indices)),
+            Primitive::Auto => {
+                let leaves = Self::new(positions, indices, Primitive::Leaf);
+                if leaves.len() < FEW_LEAVES && count >= LARGE_LEAF * leaves.len() {
+                    Self::new(positions, indices, Primitive::Triangle)
+                } else {
+                    leaves
+                }
+            }
         }
     }
 
@@ -347,5 +363,25 @@ mod tests {
         assert_eq!(leaves.triangles, [0, 2, 1], "numbered by first triangle");
         let triangles = Leaves::new(&positions, &indices, Primitive::Triangle);
         assert_eq!(triangles.len(), 3, "each alone");
+    }
+
+    #[test]
+    fn few_large_leaves_are_taken_by_triangles() {
+        // Fans of `triangles` each, which share their first corner and nothing between fans.
+        let fans = |count: u32, triangles: u32| {
+            let (mut positions, mut indices) = (Vec::new(), Vec::new());
+            for leaf in 0..count {
+                let first = positions.len() as u32;
+                positions.extend(
+                    (0..triangles + 2).map(|i| Vec3::new(leaf as f32, i as f32, (i * i) as f32)),
+                );
+                indices.extend((0..triangles).flat_map(|i| [first, first + i + 1, first + i + 2]));
+            }
+            Leaves::new(&positions, &indices, Primitive::Auto).len()
+        };
+        assert_eq!(fans(29, 8), 29 * 8, "few clusters");
+        assert_eq!(fans(29, 2), 29, "few cards");
+        assert_eq!(fans(300, 8), 300, "enough leaves");
+        assert_eq!(fans(0, 1), 0, "no leaves");
     }
 }

@@ -104,12 +104,12 @@ pub const SETTINGS: &[SettingInfo] = &[
     setting!(
         primitive,
         "",
-        "leaf, triangle",
+        "auto, leaf, triangle",
         Primitive::parse,
         |_| true,
-        "what makes one generator: a connected leaf or every triangle",
+        "what makes one generator: a connected leaf, every triangle, or triangles of few large leaves",
         "triangle needs no connectivity but counts a card of two triangles twice",
-        "leaf"
+        "changes the meaning, not the error"
     ),
     setting!(
         fraction,

@@ -31,6 +31,9 @@ pub(super) fn cases() -> Vec<Case> {
     add("foliage.generators.triangle", |gpu| {
         leaf_centres(gpu, Primitive::Triangle)
     });
+    add("foliage.generators.auto", |gpu| {
+        leaf_centres(gpu, Primitive::Auto)
+    });
     add("foliage.density.one_ball", |gpu| {
         on_grid(gpu, &[[0.01, -0.02, 0.03, 1.0]], 0.2, Norm::Euclidean)
     });
@@ -88,9 +91,11 @@ pub(super) fn cases() -> Vec<Case> {
     add("foliage.directions.mean", |gpu| {
         direction_modes(gpu, abi::DIRECTIONS_MEAN)
     });
+    add("foliage.directions.fill", directions_fill);
     add("foliage.realign.blend", blend);
-    add("foliage.ambient.eq4", |gpu| equation_4(gpu, 0.8));
-    add("foliage.ambient.step", |gpu| equation_4(gpu, 0.0));
+    add("foliage.ambient.eq4", |gpu| equation_4(gpu, 0.3, 0.8));
+    add("foliage.ambient.step", |gpu| equation_4(gpu, 0.3, 0.0));
+    add("foliage.ambient.tau_zero", |gpu| equation_4(gpu, 0.0, 0.8));
     add("foliage.encode.length", |gpu| {
         encoded(gpu, Encoding::Length)
     });
@@ -180,19 +185,11 @@ fn on_grid(gpu: &Gpu, generators: &[[f32; 4]], radius: f32, norm: Norm) -> Resul
         nodes: grid.nodes,
     };
     let expected = twin(generators, radius, norm).density_grid(&twin_grid);
-    let mut error = worst(
-        got.iter()
-            .zip(&expected)
-            .map(|(&g, &e)| relative(g, e, weight)),
-    );
-    if got.len() != expected.len() {
-        error = f64::NAN;
-    }
-    Ok(Outcome {
-        error,
-        limit: DENSITY_LIMIT,
-        measure: "relative density",
-    })
+    Ok(Outcome::worst(
+        (&got, &expected),
+        |&g, &e| relative(g, e, weight),
+        (DENSITY_LIMIT, "relative density"),
+    ))
 }
 
 fn at_points(gpu: &Gpu, generators: &[[f32; 4]], radius: f32, norm: Norm) -> Result<Outcome> {
@@ -214,11 +211,11 @@ fn at_points(gpu: &Gpu, generators: &[[f32; 4]], radius: f32, norm: Norm) -> Res
                 .max(relative(alone, d, 1.0))
                 .max(slope)
         });
-    Ok(Outcome {
-        error: worst(errors),
-        limit: DENSITY_LIMIT,
-        measure: "relative density and slope",
-    })
+    Ok(Outcome::new(
+        worst(errors),
+        DENSITY_LIMIT,
+        "relative density and slope",
+    ))
 }
 
 fn field_direction(gpu: &Gpu) -> Result<Outcome> {
@@ -235,11 +232,7 @@ fn field_direction(gpu: &Gpu) -> Result<Outcome> {
         let got = -Vec3::new(g[1], g[2], g[3]).normalize();
         Some(angle_degrees(got, expected.as_vec3()))
     });
-    Ok(Outcome {
-        error: worst(errors),
-        limit: NORMAL_LIMIT,
-        measure: "degrees",
-    })
+    Ok(Outcome::new(worst(errors), NORMAL_LIMIT, "degrees"))
 }
 
 /// Two triangles per leaf, some leaves of no area.
@@ -269,45 +262,78 @@ fn leaf_centres(gpu: &Gpu, primitive: Primitive) -> Result<Outcome> {
     let areas = probe::areas(gpu, &positions, &indices, primitive)?;
     let plain: Vec<[f32; 3]> = positions.iter().map(|p| p.to_array()).collect();
     let source = match primitive {
-        Primitive::Leaf => Source::Leaf,
+        // 300 leaves are enough for `auto` to keep them.
+        Primitive::Leaf | Primitive::Auto => Source::Leaf,
         Primitive::Triangle => Source::Triangle,
     };
     let expected = generators::generators(&plain, &indices, source).expect("finite positions");
-    let mut error = worst(
-        centres
-            .iter()
-            .zip(&areas)
-            .zip(&expected)
-            .map(|((c, &a), e)| {
-                let far = (position(*c) - e.position).length();
-                far.max((f64::from(a) - e.area).abs())
-            }),
-    );
-    if centres.len() != expected.len() {
-        error = f64::NAN;
-    }
-    Ok(Outcome {
-        error,
-        limit: 2e-7,
-        measure: "diagonals",
-    })
+    let got: Vec<([f32; 4], f32)> = centres.into_iter().zip(areas).collect();
+    Ok(Outcome::worst(
+        (&got, &expected),
+        |(c, a), e| {
+            let far = (position(*c) - e.position).length();
+            far.max((f64::from(*a) - e.area).abs())
+        },
+        (2e-7, "diagonals"),
+    ))
 }
 
-/// Gradients of all sizes: the twin's rule on the kernel's own inputs.
-fn direction_modes(gpu: &Gpu, mode: u32) -> Result<Outcome> {
+/// Gradients of all sizes, also none (density first).
+fn gradient(seed: u32, i: u32) -> [f32; 4] {
+    let k = |k: u32| (2.0 * uniform(seed, 3 * i + k) - 1.0) as f32;
+    let size = [0.0, 1e-4, 1.0, 50.0][(i as usize + seed as usize) % 4];
+    [1.0, size * k(0), size * k(1), size * k(2)]
+}
+
+/// The direction of a gradient that is large enough to have one.
+fn direction(g: &[f32; 4], radius: f64) -> Option<DVec3> {
+    let v = DVec3::new(f64::from(g[1]), f64::from(g[2]), f64::from(g[3]));
+    (v.length() * radius > realign::GRADIENT_FLOOR).then(|| -v.normalize())
+}
+
+/// Degrees of a direction from the twin's; NaN where only one of them has one.
+fn direction_error(got: &[f32; 4], expected: Option<DVec3>) -> f64 {
+    match expected {
+        None => f64::from(got[3]),
+        Some(e) if got[3] == 1.0 => angle_degrees(Vec3::new(got[0], got[1], got[2]), e.as_vec3()),
+        Some(_) => f64::NAN,
+    }
+}
+
+/// A first field leaves gaps; one of twice the radius fills them and changes nothing else.
+fn directions_fill(gpu: &Gpu) -> Result<Outcome> {
     let radius = 0.1f32;
-    let gradient = |seed: u32, i: u32| {
-        let k = |k: u32| (2.0 * uniform(seed, 3 * i + k) - 1.0) as f32;
-        let size = [0.0, 1e-4, 1.0, 50.0][(i as usize + seed as usize) % 4];
-        [1.0, size * k(0), size * k(1), size * k(2)]
-    };
     let near: Vec<[f32; 4]> = (0..999).map(|i| gradient(1, i)).collect();
     let wide: Vec<[f32; 4]> = (0..999).map(|i| gradient(2, i / 4)).collect();
-    let got = probe::directions(gpu, mode, &near, &wide, radius)?;
-    let direction = |g: &[f32; 4], radius: f64| {
-        let v = DVec3::new(f64::from(g[1]), f64::from(g[2]), f64::from(g[3]));
-        (v.length() * radius > realign::GRADIENT_FLOOR).then(|| -v.normalize())
-    };
+    let (first, gaps) = probe::directions(gpu, abi::DIRECTIONS_SINGLE, (&near, &near), radius)?;
+    let (filled, left) = probe::filled_directions(gpu, (&near, &wide), radius)?;
+    let expected = near.iter().zip(&wide).map(|(n, w)| {
+        let (near, wide) = (f64::from(radius), 2.0 * f64::from(radius));
+        direction(n, near).or_else(|| direction(w, wide))
+    });
+    let mut error = worst(
+        filled
+            .iter()
+            .zip(expected)
+            .map(|(g, e)| direction_error(g, e)),
+    );
+    let kept = first
+        .iter()
+        .zip(&filled)
+        .all(|(a, b)| a[3] == 0.0 || a == b);
+    let count = |of: &[[f32; 4]]| of.iter().filter(|d| d[3] == 0.0).count();
+    if !kept || count(&first) != gaps || count(&filled) != left || left == 0 || left >= gaps {
+        error = f64::NAN;
+    }
+    Ok(Outcome::new(error, NORMAL_LIMIT, "degrees"))
+}
+
+/// The twin's rule on the kernel's own inputs.
+fn direction_modes(gpu: &Gpu, mode: u32) -> Result<Outcome> {
+    let radius = 0.1f32;
+    let near: Vec<[f32; 4]> = (0..999).map(|i| gradient(1, i)).collect();
+    let wide: Vec<[f32; 4]> = (0..999).map(|i| gradient(2, i / 4)).collect();
+    let (got, _) = probe::directions(gpu, mode, (&near, &wide), radius)?;
     let errors = got.iter().zip(near.iter().zip(&wide)).map(|(g, (n, w))| {
         let (n, w) = (
             direction(n, f64::from(radius)),
@@ -320,17 +346,9 @@ fn direction_modes(gpu: &Gpu, mode: u32) -> Result<Outcome> {
             }
             (_, a, b) => a.or(b),
         };
-        match expected {
-            None => f64::from(g[3]),
-            Some(e) if g[3] == 1.0 => angle_degrees(Vec3::new(g[0], g[1], g[2]), e.as_vec3()),
-            Some(_) => f64::NAN,
-        }
+        direction_error(g, expected)
     });
-    Ok(Outcome {
-        error: worst(errors),
-        limit: NORMAL_LIMIT,
-        measure: "degrees",
-    })
+    Ok(Outcome::new(worst(errors), NORMAL_LIMIT, "degrees"))
 }
 
 fn blend(gpu: &Gpu) -> Result<Outcome> {
@@ -354,20 +372,16 @@ fn blend(gpu: &Gpu) -> Result<Outcome> {
         };
         angle_degrees(Vec3::from(*g), expected.as_vec3())
     });
-    Ok(Outcome {
-        error: worst(errors),
-        limit: NORMAL_LIMIT,
-        measure: "degrees",
-    })
+    Ok(Outcome::new(worst(errors), NORMAL_LIMIT, "degrees"))
 }
 
-fn equation_4(gpu: &Gpu, d_min: f32) -> Result<Outcome> {
+fn equation_4(gpu: &Gpu, tau: f32, d_min: f32) -> Result<Outcome> {
     let density: Vec<f32> = (0..400).map(|i| 0.005 * i as f32).collect();
     let mut error = 0.0f64;
     for exponent in [1.0 / 3.0, 1.0, 3.0] {
         let push = abi::AmbientTransfer {
             count: 0,
-            tau: 0.3,
+            tau,
             k_min: 0.2,
             d_min,
             exponent,
@@ -381,15 +395,11 @@ fn equation_4(gpu: &Gpu, d_min: f32) -> Result<Outcome> {
         error = worst(
             got.iter()
                 .zip(&density)
-                .map(|(&g, &d)| (f64::from(g) - transfer(f64::from(d - 0.3), &t)).abs())
+                .map(|(&g, &d)| (f64::from(g) - transfer(f64::from(d - tau), &t)).abs())
                 .chain([error]),
         );
     }
-    Ok(Outcome {
-        error,
-        limit: 1e-4,
-        measure: "coefficient",
-    })
+    Ok(Outcome::new(error, 1e-4, "coefficient"))
 }
 
 fn encoded(gpu: &Gpu, encoding: Encoding) -> Result<Outcome> {
@@ -421,15 +431,11 @@ fn encoded(gpu: &Gpu, encoding: Encoding) -> Result<Outcome> {
             .fold(0.0, f64::max),
         _ => lane_difference(a, b, 16).max(lane_difference(a >> 16, b >> 16, 16)),
     };
-    let mut error = worst(got.iter().zip(&expected).map(|(&g, &e)| step(g, e)));
-    if got.len() != expected.len() {
-        error = f64::NAN;
-    }
-    Ok(Outcome {
-        error,
-        limit: 1.0,
-        measure: "steps",
-    })
+    Ok(Outcome::worst(
+        (&got, &expected),
+        |&g, &e| step(g, e),
+        (1.0, "steps"),
+    ))
 }
 
 /// Difference of two fields of `bits` bits, round the circle: -1 and 1 are the same direction.

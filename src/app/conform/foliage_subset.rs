@@ -92,7 +92,7 @@ fn worse(a: Outcome, b: Outcome) -> Outcome {
     if a.passed() { b } else { a }
 }
 
-/// The largest difference over all `fractions`; NaN where the numbers of generators differ.
+/// The largest difference; that of the last of `fractions`, or of the first that fails.
 fn both(gpu: &Gpu, all: &[Point], fractions: &[f32], sampling: Sampling) -> Result<Outcome> {
     let (centres, areas): (Vec<[f32; 4]>, Vec<f32>) = all.iter().copied().unzip();
     let widened: Vec<Generator> = all.iter().map(widen).collect();
@@ -100,7 +100,7 @@ fn both(gpu: &Gpu, all: &[Point], fractions: &[f32], sampling: Sampling) -> Resu
         Sampling::Stratified => Subset::Stratified,
         Sampling::Plain => Subset::Plain,
     };
-    let mut error = 0.0f64;
+    let mut outcome = None;
     for (&fraction, seed) in fractions.iter().zip(1..) {
         let settings = Settings {
             fraction,
@@ -111,25 +111,14 @@ fn both(gpu: &Gpu, all: &[Point], fractions: &[f32], sampling: Sampling) -> Resu
         };
         let got = probe::subset(gpu, (&centres, &areas), &settings)?;
         let expected = subset(&widened, f64::from(fraction), method, seed);
-        if got.len() != expected.len() {
-            error = f64::NAN;
-        }
-        let errors = got.iter().zip(&expected).map(|(g, e)| difference(g, e));
-        error = errors.fold(error, |a, b| {
-            if a.is_nan() {
-                a
-            } else if b.is_nan() {
-                b
-            } else {
-                a.max(b)
-            }
+        let measure = (LIMIT, "diagonals, share of weight and area");
+        let one = Outcome::worst((&got, &expected), difference, measure);
+        outcome = Some(match outcome {
+            Some(before) => worse(before, one),
+            None => one,
         });
     }
-    Ok(Outcome {
-        error,
-        limit: LIMIT,
-        measure: "diagonals, share of weight and area",
-    })
+    Ok(outcome.expect("a fraction at least"))
 }
 
 fn widen(point: &Point) -> Generator {

@@ -261,11 +261,11 @@ fn topology(gpu: &Gpu, blob: &Blob) -> Result<Outcome> {
         + device.triangles.len().abs_diff(twin.triangles.len())
         + device.vertices.len().abs_diff(twin.vertices.len());
     let open = device.edges().values().filter(|&&e| e != (1, 1)).count();
-    Ok(Outcome {
-        error: (differing + open) as f64,
-        limit: 0.0,
-        measure: "differing triangles and open edges",
-    })
+    Ok(Outcome::new(
+        (differing + open) as f64,
+        0.0,
+        "differing triangles and open edges",
+    ))
 }
 
 /// Largest distance of a vertex from the twin's, in cells.
@@ -281,11 +281,7 @@ fn vertices(gpu: &Gpu) -> Result<Outcome> {
         .zip(&twin.vertices)
         .map(|(a, b)| a.distance(*b) / cell);
     let count = answer.surface.positions.len().abs_diff(twin.vertices.len()) as f64;
-    Ok(Outcome {
-        error: far.fold(count, f64::max),
-        limit: 1e-4,
-        measure: "cells",
-    })
+    Ok(Outcome::new(far.fold(count, f64::max), 1e-4, "cells"))
 }
 
 /// Largest angle of surface normals, degrees.
@@ -307,11 +303,7 @@ fn normals(gpu: &Gpu, mode: SurfaceNormals) -> Result<Outcome> {
         .zip(twin)
         .map(|(a, b)| degrees(a.as_dvec3(), b));
     // Faces may be slivers, whose area vector is a difference of nearly equal numbers.
-    Ok(Outcome {
-        error: angles.fold(0.0, f64::max),
-        limit: 0.05,
-        measure: "degrees",
-    })
+    Ok(Outcome::new(angles.fold(0.0, f64::max), 0.05, "degrees"))
 }
 
 fn degrees(a: DVec3, b: DVec3) -> f64 {
@@ -338,11 +330,11 @@ fn nearest_vertex(gpu: &Gpu) -> Result<Outcome> {
             best != **found as usize && distance > true_distance * (1.0 + 1e-6)
         });
     let missing = blob.queries.len().abs_diff(answer.nearest_vertex.len());
-    Ok(Outcome {
-        error: (wrong.count() + missing) as f64,
-        limit: 0.0,
-        measure: "wrong vertices",
-    })
+    Ok(Outcome::new(
+        (wrong.count() + missing) as f64,
+        0.0,
+        "wrong vertices",
+    ))
 }
 
 /// A query at the centre of a symmetric ball is equally far from several vertices: the lowest
@@ -373,11 +365,7 @@ fn nearest_tie(gpu: &Gpu) -> Result<Outcome> {
         // Any of the equals within one rounding is a tie; a higher number than the lowest is not.
         Some(n as usize) != lowest && squared(&answer.surface.positions[n as usize]) > least
     });
-    Ok(Outcome {
-        error: wrong.count() as f64,
-        limit: 0.0,
-        measure: "ties lost",
-    })
+    Ok(Outcome::new(wrong.count() as f64, 0.0, "ties lost"))
 }
 
 type Twin = fn(DVec3, &Blob, &Surface, &[DVec3]) -> Option<DVec3>;
@@ -422,9 +410,5 @@ fn directions(
         .get((angles.len() * 49).div_ceil(50).saturating_sub(1))
         .copied()
         .unwrap_or(f64::NAN);
-    Ok(Outcome {
-        error,
-        limit: 0.05,
-        measure: "degrees (98 % of the queries)",
-    })
+    Ok(Outcome::new(error, 0.05, "degrees (98 % of the queries)"))
 }

@@ -4,6 +4,7 @@
 //! cases, so `umbrage conform` and the tests cannot drift apart.
 
 mod foliage;
+mod foliage_ends;
 mod foliage_subset;
 mod foliage_surface;
 mod gpu;
@@ -34,6 +35,39 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// `error` against its limit.
+    fn new(error: f64, limit: f64, measure: &'static str) -> Self {
+        Self {
+            error,
+            limit,
+            measure,
+        }
+    }
+
+    /// The largest error of each `got` against its `expected`; NaN when one error is, or when there
+    /// are more of one than of the other.
+    fn worst<G, E>(
+        (got, expected): (&[G], &[E]),
+        error: impl Fn(&G, &E) -> f64,
+        (limit, measure): (f64, &'static str),
+    ) -> Self {
+        let mut largest = 0.0f64;
+        if got.len() != expected.len() {
+            largest = f64::NAN;
+        }
+        for (g, e) in got.iter().zip(expected) {
+            let one = error(g, e);
+            // `max` would forget a NaN.
+            if one.is_nan() || one > largest {
+                largest = one;
+            }
+            if largest.is_nan() {
+                break;
+            }
+        }
+        Self::new(largest, limit, measure)
+    }
+
     /// NaN never passes.
     #[must_use]
     pub fn passed(&self) -> bool {
@@ -46,6 +80,7 @@ impl Outcome {
 pub fn cases() -> Vec<Case> {
     let mut cases = gpu::cases();
     cases.extend(foliage::cases());
+    cases.extend(foliage_ends::cases());
     cases.extend(foliage_subset::cases());
     cases.extend(foliage_surface::cases());
     cases.extend(skylight::cases());

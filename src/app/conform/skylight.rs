@@ -28,6 +28,18 @@ pub(super) fn cases() -> Vec<Case> {
             name: "foliage.sky_gather",
             run: |gpu| Ok(Setting::new().run(gpu)?[2].clone()),
         },
+        Case {
+            name: "foliage.sky_depth.no_leaves",
+            run: |gpu| Ok(Setting::bare().run(gpu)?[0].clone()),
+        },
+        Case {
+            name: "foliage.sky_light.no_leaves",
+            run: |gpu| Ok(Setting::bare().run(gpu)?[1].clone()),
+        },
+        Case {
+            name: "foliage.sky_gather.no_leaves",
+            run: |gpu| Ok(Setting::bare().run(gpu)?[2].clone()),
+        },
     ]
 }
 
@@ -81,6 +93,13 @@ impl Setting {
             directions,
             points,
         }
+    }
+
+    /// No leaves at all.
+    fn bare() -> Self {
+        let mut setting = Self::new();
+        setting.leaf_area.fill(0.0);
+        setting
     }
 
     /// Runs the three kernels, the directions in two batches, and compares each with its twin.
@@ -203,7 +222,8 @@ impl Setting {
             .map(|(open, mean)| (open.normalize(), mean));
         [
             Outcome {
-                error: largest(errors) / deepest,
+                // Without leaves all depths are zero.
+                error: largest(errors) / if deepest > 0.0 { deepest } else { 1.0 },
                 limit: 1e-5,
                 measure: "depth relative to the deepest",
             },

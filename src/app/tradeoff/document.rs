@@ -80,6 +80,28 @@ const SECTIONS: &[Section] = &[
         means: &[("roughness", "roughness", 1), ("milliseconds", "ms", 1)],
     },
     Section {
+        topic: Topic::Primitive,
+        title: "What makes one generator: meaning",
+        text: "Area under the curve by `primitive`: `auto` takes `leaf` or `triangle` by the number of \
+               leaves.",
+        measure: ("auc", 3),
+        means: &[("roughness", "roughness", 1), ("milliseconds", "ms", 1)],
+    },
+    Section {
+        topic: Topic::Primitive,
+        title: "What makes one generator: ambient coefficient",
+        text: "Spearman's rank correlation of `eq4` with ray-traced visibility.",
+        measure: ("spearman", 3),
+        means: &[],
+    },
+    Section {
+        topic: Topic::Primitive,
+        title: "What makes one generator: how many",
+        text: "Generators that are left under the bound of `most_generators`.",
+        measure: ("generators", 0),
+        means: &[],
+    },
+    Section {
         topic: Topic::Cells,
         title: "Grid size",
         text: "Mean angle in degrees between the normals found on the grid and those of F = 0 itself.",

@@ -3,7 +3,7 @@
 
 pub mod document;
 pub mod sweep;
-
+mod sweep_normals;
 pub mod truth;
 
 use std::path::PathBuf;

@@ -2,14 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use glam::Vec3;
 use serde::Serialize;
 
 use super::truth::Truth;
 use crate::Result;
-use crate::foliage::{
-    AmbientMode, Bake, Baked, Encoding, NormalsMode, Sampling, Settings, Split, Threshold,
-};
+use crate::foliage::{AmbientMode, Bake, Baked, Encoding, NormalsMode, Sampling, Settings, Split};
 use crate::gpu::Gpu;
 use crate::math::stats;
 use crate::reference::encode;
@@ -31,6 +28,8 @@ pub enum Topic {
     Radius,
     /// Threshold of the surface.
     Threshold,
+    /// What makes one generator.
+    Primitive,
     /// Grid size.
     Cells,
     /// Share of the generators.
@@ -59,13 +58,13 @@ pub struct Record {
 pub struct Sweep<'a> {
     gpu: &'a Gpu,
     model: &'a Model,
-    geometry: &'a Geometry,
-    split: &'a Split,
-    truth: &'a Truth,
+    pub(super) geometry: &'a Geometry,
+    pub(super) split: &'a Split,
+    pub(super) truth: &'a Truth,
     records: Vec<Record>,
 }
 
-const MIB: f64 = 1024.0 * 1024.0;
+pub(super) const MIB: f64 = 1024.0 * 1024.0;
 
 /// Passes with a smaller share of the time are added up.
 const SMALL_PASS: f64 = 0.02;
@@ -100,6 +99,7 @@ impl<'a> Sweep<'a> {
         self.ambient_radius()?;
         let exact = self.normals()?;
         self.radius()?;
+        self.primitive()?;
         self.cells(&exact)?;
         self.fraction()?;
         self.encodings()?;
@@ -117,7 +117,7 @@ impl<'a> Sweep<'a> {
         });
     }
 
-    fn bake(&self, settings: &Settings) -> Result<Baked> {
+    pub(super) fn bake(&self, settings: &Settings) -> Result<Baked> {
         log::info!(
             "{}: normals {} ambient {} cells {}",
             self.model.name,
@@ -227,149 +227,6 @@ impl<'a> Sweep<'a> {
             ("MiB", baked.recipe.bytes() as f64 / MIB),
         ];
         self.add(topic, name, &values);
-        Ok(())
-    }
-
-    /// Measures the modes; returns the exact normals.
-    fn normals(&mut self) -> Result<Vec<Vec3>> {
-        let base = Settings {
-            ambient: AmbientMode::None,
-            encoding: Encoding::None,
-            ..Settings::default()
-        };
-        let exact = self
-            .bake(&Settings {
-                normals: NormalsMode::Exact,
-                ..base
-            })?
-            .bake
-            .normals;
-        self.measure_normals(
-            Topic::Normals,
-            "the model's own",
-            &self.geometry.normals,
-            &exact,
-            None,
-        );
-        let centre = {
-            let (min, max) = self.split.bounds(self.geometry);
-            0.5 * (min + max)
-        };
-        let sphere: Vec<Vec3> = self
-            .geometry
-            .positions
-            .iter()
-            .map(|p| (p - centre).normalize_or(Vec3::Y))
-            .collect();
-        self.measure_normals(Topic::Normals, "from the centre", &sphere, &exact, None);
-        for normals in [
-            NormalsMode::Vertex,
-            NormalsMode::Face,
-            NormalsMode::Exact,
-            NormalsMode::Gradient,
-            NormalsMode::Multiscale,
-            NormalsMode::Open,
-        ] {
-            let baked = self.bake(&Settings { normals, ..base })?;
-            self.measure_normals(
-                Topic::Normals,
-                normals.name(),
-                &baked.bake.normals,
-                &exact,
-                Some(&baked),
-            );
-        }
-        let limit = self.truth.open_directions(self.geometry.positions.len());
-        let auc = self.truth.auc(&limit);
-        self.add(
-            Topic::Normals,
-            "mean visible direction, traced",
-            &[("auc", auc)],
-        );
-        Ok(exact)
-    }
-
-    fn measure_normals(
-        &mut self,
-        topic: Topic,
-        name: &str,
-        normals: &[Vec3],
-        exact: &[Vec3],
-        baked: Option<&Baked>,
-    ) {
-        let mut values = vec![
-            ("auc", self.truth.auc(normals)),
-            ("roughness", self.truth.roughness(self.geometry, normals)),
-        ];
-        if !exact.is_empty() {
-            values.push(("exact", stats::mean(&self.truth.angles(normals, exact))));
-        }
-        if let Some(baked) = baked {
-            values.push(("milliseconds", milliseconds(baked)));
-            values.push(("MiB", baked.recipe.bytes() as f64 / MIB));
-        }
-        self.add(topic, name, &values);
-    }
-
-    fn radius(&mut self) -> Result<()> {
-        let base = Settings {
-            ambient: AmbientMode::None,
-            encoding: Encoding::None,
-            ..Settings::default()
-        };
-        for normals in [
-            NormalsMode::Vertex,
-            NormalsMode::Gradient,
-            NormalsMode::Multiscale,
-        ] {
-            for rho in [0.06, 0.08, 0.1, 0.12, 0.16] {
-                let baked = self.bake(&Settings {
-                    normals,
-                    rho,
-                    ..base
-                })?;
-                let name = format!("{normals}, rho {rho}");
-                let found = &baked.bake.normals;
-                self.measure_normals(Topic::Radius, &name, found, &[], Some(&baked));
-            }
-        }
-        for percent in [1.0, 4.0, 10.0, 25.0] {
-            let baked = self.bake(&Settings {
-                normals: NormalsMode::Vertex,
-                tau: Threshold::Quantile(percent / 100.0),
-                ..base
-            })?;
-            let name = format!("vertex, tau {percent}%");
-            let found = &baked.bake.normals;
-            self.measure_normals(Topic::Threshold, &name, found, &[], Some(&baked));
-        }
-        Ok(())
-    }
-
-    fn cells(&mut self, exact: &[Vec3]) -> Result<()> {
-        for normals in [NormalsMode::Vertex, NormalsMode::Face] {
-            for cells in [32, 64, 96, 128] {
-                let baked = self.bake(&Settings {
-                    normals,
-                    cells,
-                    ambient: AmbientMode::None,
-                    encoding: Encoding::None,
-                    ..Settings::default()
-                })?;
-                let angles = self.truth.angles(&baked.bake.normals, exact);
-                let values = [
-                    ("exact", stats::mean(&angles)),
-                    ("p95", stats::quantile(&angles, 0.95)),
-                    (
-                        "roughness",
-                        self.truth.roughness(self.geometry, &baked.bake.normals),
-                    ),
-                    ("milliseconds", milliseconds(&baked)),
-                    ("MiB", baked.recipe.bytes() as f64 / MIB),
-                ];
-                self.add(Topic::Cells, &format!("{normals}, {cells} cells"), &values);
-            }
-        }
         Ok(())
     }
 
@@ -483,7 +340,7 @@ impl<'a> Sweep<'a> {
 }
 
 /// Device time of all passes.
-fn milliseconds(baked: &Baked) -> f64 {
+pub(super) fn milliseconds(baked: &Baked) -> f64 {
     baked
         .times
         .iter()
