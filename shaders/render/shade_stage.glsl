@@ -57,7 +57,7 @@ void main() {
 
     vec3 sum = vec3(0.0);
     float shown = 0.0;
-    uint last = 0u;
+    uvec2 last = uvec2(0u);
     bool any = false;
     for (int i = 0; i < SAMPLES; i++) {
         any = any || fetch_depth(i) > hidden;
@@ -71,12 +71,12 @@ void main() {
         }
         vec4 a, b;
         fetch(i, a, b);
-        uint word = packUnorm4x8(b) ^ (packUnorm4x8(a) * 31u);
-        if (shown == 0.0 || word != last) {
+        uvec2 words = uvec2(packUnorm4x8(a), packUnorm4x8(b));
+        if (shown == 0.0 || words != last) {
             vec3 direction = centre + PLACES[i].x * frame.right * frame.pixel.x
                 - PLACES[i].y * frame.up * frame.pixel.y;
             light = min(shade_surface(from_record(a, b), frame.eye + direction * (frame.near / z)), vec3(1.0));
-            last = word;
+            last = words;
         }
         sum += light;
         shown += 1.0;

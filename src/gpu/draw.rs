@@ -65,7 +65,39 @@ impl fmt::Debug for Draws<'_> {
     }
 }
 
+impl RenderPass<'_> {
+    fn accesses(&self) -> Vec<(Resource, Access)> {
+        let mut accesses: Vec<_> = self
+            .reads
+            .iter()
+            .map(|b| (b.resource(), b.draw_access()))
+            .collect();
+        for target in self.color {
+            accesses.push((Resource::Image(target.image.clone()), Access::ColorWrite));
+            accesses.extend(
+                target
+                    .resolve
+                    .map(|r| (Resource::Image(r.clone()), Access::ColorWrite)),
+            );
+        }
+        accesses.extend(
+            self.depth
+                .map(|d| (Resource::Image(d.image.clone()), Access::DepthWrite)),
+        );
+        accesses
+    }
+}
+
 impl Work {
+    /// Makes everything ready for `pass` before the passes that come first; [`Work::render`] of the
+    /// same pass then waits for nothing. The passes between must not touch what it writes.
+    ///
+    /// # Panics
+    /// Later, when a pass between uses a target of this one, or writes what it reads.
+    pub fn declare(&mut self, label: &str, pass: &RenderPass<'_>) {
+        self.declare_accesses(label, &pass.accesses());
+    }
+
     /// Draws into targets: clears or loads, runs `record`, resolves and stores.
     ///
     /// # Errors
@@ -79,23 +111,7 @@ impl Work {
         pass: &RenderPass<'_>,
         record: impl FnOnce(&mut Draws<'_>) -> Result<()>,
     ) -> Result<()> {
-        let mut accesses: Vec<_> = pass
-            .reads
-            .iter()
-            .map(|b| (b.resource(), b.draw_access()))
-            .collect();
-        for target in pass.color {
-            accesses.push((Resource::Image(target.image.clone()), Access::ColorWrite));
-            accesses.extend(
-                target
-                    .resolve
-                    .map(|r| (Resource::Image(r.clone()), Access::ColorWrite)),
-            );
-        }
-        accesses.extend(
-            pass.depth
-                .map(|d| (Resource::Image(d.image.clone()), Access::DepthWrite)),
-        );
+        let accesses = pass.accesses();
         self.begin_pass(label, &accesses)?;
         self.begin_rendering(pass);
         let gpu = self.recorded.gpu.clone();

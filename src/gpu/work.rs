@@ -110,6 +110,8 @@ pub struct Work {
     releases: BTreeMap<Slot, Pending>,
     /// Timeline values of other queues to wait for.
     waits: BTreeMap<Slot, u64>,
+    /// What a later pass will do to resources that are ready for it (see [`Work::declare`]).
+    declared: BTreeMap<usize, Access>,
 }
 
 impl fmt::Debug for Work {
@@ -149,6 +151,7 @@ impl Gpu {
             pending: Pending::default(),
             releases: BTreeMap::new(),
             waits: BTreeMap::new(),
+            declared: BTreeMap::new(),
         })
     }
 }
@@ -199,12 +202,26 @@ impl Work {
         accesses: &[(Resource, Access)],
     ) -> Result<()> {
         for (resource, access) in combine(label, accesses) {
-            self.touch(label, &resource, access);
+            match self.declared.get(&resource.key()) {
+                Some(known) if *known == access && access.scope().writes => {
+                    self.declared.remove(&resource.key());
+                }
+                _ => self.touch(label, &resource, access),
+            }
         }
         self.flush_barriers();
         self.recorded
             .timers
             .begin(&self.recorded.gpu.inner, self.cmd, label)
+    }
+
+    /// Makes resources ready for a pass that comes after others, before those: with no barrier
+    /// between them independent passes overlap on devices that wait at barriers.
+    pub(super) fn declare_accesses(&mut self, label: &str, accesses: &[(Resource, Access)]) {
+        for (resource, access) in combine(label, accesses) {
+            self.touch(label, &resource, access);
+            self.declared.insert(resource.key(), access);
+        }
     }
 
     pub(super) fn end_pass(&mut self) {
@@ -218,6 +235,14 @@ impl Work {
 
     /// Advances the resource's state and queues the barrier that follows from it.
     pub(super) fn touch(&mut self, label: &str, resource: &Resource, access: Access) {
+        if let Some(known) = self.declared.get(&resource.key()) {
+            let clash = known.scope().writes || access.scope().writes;
+            assert!(
+                !clash,
+                "{label}: {} is used as {access:?} before a pass that declared {known:?}",
+                resource.name()
+            );
+        }
         let mut now = usage(resource.tracked());
         let open_elsewhere = now.open_in.is_some_and(|id| id != self.id);
         assert!(

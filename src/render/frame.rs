@@ -99,6 +99,30 @@ impl Frame<'_> {
         view: View,
     ) -> Result<()> {
         let set = self.common_set(false, self.is_realigned(view));
+        self.with_surface_pass(&set, |pass| {
+            work.render(label::SURFACE_PASS, pass, |draws| {
+                let draw = Draw {
+                    view,
+                    shadowed: false,
+                    gbuffer: false,
+                };
+                self.draw_model(draws, pipelines, &set, draw)
+            })
+        })
+    }
+
+    /// Readies pass 2 before pass 1, so that nothing waits between the two: neither reads what
+    /// the other writes.
+    pub(super) fn declare_surface(&self, work: &mut Work, view: View) {
+        let set = self.common_set(false, self.is_realigned(view));
+        self.with_surface_pass(&set, |pass| work.declare(label::SURFACE_PASS, pass));
+    }
+
+    fn with_surface_pass<T>(
+        &self,
+        set: &[Binding<'_>],
+        run: impl FnOnce(&RenderPass<'_>) -> T,
+    ) -> T {
         let mut reads = set.to_vec();
         reads.extend(
             self.resources
@@ -112,7 +136,7 @@ impl Frame<'_> {
             resolve: None,
             store: true,
         };
-        let pass = RenderPass {
+        run(&RenderPass {
             extent: self.settings.size,
             color: &[target(label::RECORD_A), target(label::RECORD_B)],
             depth: Some(DepthTarget {
@@ -121,18 +145,6 @@ impl Frame<'_> {
                 store: true,
             }),
             reads: &reads,
-        };
-        work.render(label::SURFACE_PASS, &pass, |draws| {
-            self.draw_model(
-                draws,
-                pipelines,
-                &set,
-                Draw {
-                    view,
-                    shadowed: false,
-                    gbuffer: false,
-                },
-            )
         })
     }
 

@@ -8,6 +8,7 @@ mod frame;
 pub mod gbuffer;
 pub mod image;
 pub mod order;
+mod outline;
 mod pipelines;
 pub mod plan;
 pub mod planned;

@@ -145,6 +145,7 @@ impl Renderer {
         )?;
         let (frame, pipelines) = self.frame();
         if draws_shadow {
+            frame.declare_surface(&mut work, view);
             frame.shadow_map(&mut work, pipelines)?;
         }
         frame.surface(&mut work, pipelines, view)?;

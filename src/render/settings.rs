@@ -48,6 +48,9 @@ pub struct RenderSettings {
     pub texture_size: u32,
     /// Largest ratio of anisotropic filtering; 1 = off.
     pub anisotropy: f32,
+    /// Longest edge of the coarsest texture level whose leaf shapes stay whole when leaf cards are
+    /// cut to the outline of what they show, texels; 0 = cards stay as they are.
+    pub leaf_outline: u32,
     /// Where from.
     pub camera: CameraSpec,
     /// Vertical field of view.
@@ -89,6 +92,7 @@ impl Default for RenderSettings {
             textures: true,
             texture_size: 2048,
             anisotropy: 1.0,
+            leaf_outline: 16,
             camera: CameraSpec::default(),
             fov: 30.0,
             margin: 0.04,
@@ -418,6 +422,17 @@ pub const SETTINGS: &[SettingInfo] = &[
         get: |s| s.anisotropy.to_string(),
         set: |s, t| {
             s.anisotropy = number32(t, 1.0..=16.0)?;
+            Ok(())
+        },
+    },
+    SettingInfo {
+        name: "leaf-outline",
+        unit: "texels",
+        help: "Cut leaf cards to the outline of all texture levels with edges of at least this, 0..1024: \
+               fewer fragments against faint edges of leaves a few pixels across; 0 leaves them whole",
+        get: |s| s.leaf_outline.to_string(),
+        set: |s, t| {
+            s.leaf_outline = integer(t, 0..=1024)?;
             Ok(())
         },
     },

@@ -5,6 +5,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::order;
+use super::outline::{Outlines, Texels, mix_arrays, mix_normals, mix_points};
 use super::plan::{Attribute, PixelFormat, Plan, PlannedImage, label};
 use super::settings::{Encoding, RenderSettings};
 use super::setup::Setup;
@@ -98,10 +99,14 @@ impl Resources {
             out.images.push(gpu.image(info)?);
         }
         let mut work = gpu.work(QueueKind::Graphics, "upload")?;
-        out.fill_vertices(&mut work, plan, subject, settings, batches)?;
+        let textures = Textures::new(plan, subject, settings)?;
+        let outlines = Outlines::new(subject, batches, settings.leaf_outline, |label| {
+            textures.texels(label)
+        });
+        out.fill_vertices(&mut work, (plan, settings), subject, batches, &outlines)?;
         out.fill_indices(&mut work, subject, setup, batches)?;
         out.fill_overlays(&mut work, subject, setup)?;
-        out.fill_textures(&mut work, plan, subject, settings)?;
+        out.fill_textures(&mut work, &textures)?;
         work.submit()?.wait()?;
         Ok(out)
     }
@@ -122,25 +127,32 @@ impl Resources {
     fn fill_vertices(
         &self,
         work: &mut Work,
-        plan: &Plan,
+        (plan, settings): (&Plan, &RenderSettings),
         subject: &Subject<'_>,
-        settings: &RenderSettings,
         batches: &[Batch],
+        outlines: &Outlines,
     ) -> Result<()> {
         let g = subject.geometry;
         self.fill(work, label::POSITIONS, || {
-            g.positions.iter().map(|p| p.to_array()).collect()
+            let moved = outlines.apply(&g.positions, mix_points);
+            moved.iter().map(|p| p.to_array()).collect()
         })?;
         if let Some(baked) = subject.baked.filter(|_| plan.has(Attribute::Shading)) {
-            let words = encode(baked.normals, baked.ambient, settings.encoding);
+            let normals = outlines.apply(baked.normals, mix_normals);
+            let ambient = outlines.apply(baked.ambient, |v, w| mix_arrays(v.map(|k| [k]), w)[0]);
+            let words = encode(&normals, &ambient, settings.encoding);
             work.upload(label::SHADING, self.buffer(label::SHADING), &words)?;
         }
         self.fill(work, label::MODEL_NORMALS, || {
-            g.normals.par_iter().map(|n| pack_normal16(*n)).collect()
+            let moved = outlines.apply(&g.normals, mix_normals);
+            moved.par_iter().map(|n| pack_normal16(*n)).collect()
         })?;
-        self.fill(work, label::TEXCOORDS, || g.texcoords.clone())?;
+        self.fill(work, label::TEXCOORDS, || {
+            outlines.apply(&g.texcoords, mix_arrays)
+        })?;
         self.fill(work, label::COLORS, || {
-            g.colors.iter().map(|c| c.map(f32_to_f16)).collect()
+            let moved = outlines.apply(&g.colors, mix_arrays);
+            moved.iter().map(|c| c.map(f32_to_f16)).collect()
         })?;
         self.fill(work, label::MATERIALS, || {
             // A subject without triangles still binds a table.
@@ -221,44 +233,57 @@ impl Resources {
         Ok(())
     }
 
-    fn fill_textures(
-        &self,
-        work: &mut Work,
-        plan: &Plan,
-        subject: &Subject<'_>,
-        settings: &RenderSettings,
-    ) -> Result<()> {
+    fn fill_textures(&self, work: &mut Work, textures: &Textures<'_>) -> Result<()> {
         if let Some(image) = self.find_image(label::NO_TEXTURE) {
             work.upload_image(label::NO_TEXTURE, image, &[&[255; 4]])?;
         }
-        let planned: Vec<&PlannedImage> =
-            plan.images.iter().filter(|i| i.texture.is_some()).collect();
-        let mut sources: Vec<usize> = planned
+        for (planned, levels) in &textures.made {
+            let slices: Vec<&[u8]> = levels.iter().map(Vec::as_slice).collect();
+            work.upload_image(&planned.label, self.image(&planned.label), &slices)?;
+        }
+        Ok(())
+    }
+}
+
+/// Mip levels of every planned texture.
+struct Textures<'a> {
+    made: Vec<(&'a PlannedImage, Vec<Vec<u8>>)>,
+}
+
+impl<'a> Textures<'a> {
+    fn new(plan: &'a Plan, subject: &Subject<'_>, settings: &RenderSettings) -> Result<Self> {
+        let planned: Vec<_> = plan
+            .images
             .iter()
-            .filter_map(|i| i.texture.map(|t| t.image))
+            .filter_map(|i| i.texture.map(|key| (i, key)))
             .collect();
+        let mut sources: Vec<usize> = planned.iter().map(|(_, key)| key.image).collect();
         sources.sort_unstable();
         sources.dedup();
         let decoded: Vec<(usize, texture::Decoded)> = sources
             .par_iter()
             .map(|&i| Ok((i, texture::decode(subject.model, i)?)))
             .collect::<Result<_>>()?;
-        let levels: Vec<Vec<Vec<u8>>> = planned
+        let made = planned
             .par_iter()
-            .map(|i| {
-                let key = i.texture.expect("filtered above");
+            .map(|&(i, key)| {
                 let (_, image) = decoded
                     .iter()
                     .find(|d| d.0 == key.image)
                     .expect("every image was decoded");
-                texture::mip_levels(image, key, settings.texture_size)
+                (i, texture::mip_levels(image, key, settings.texture_size))
             })
             .collect();
-        for (planned, levels) in planned.iter().zip(&levels) {
-            let slices: Vec<&[u8]> = levels.iter().map(Vec::as_slice).collect();
-            work.upload_image(&planned.label, self.image(&planned.label), &slices)?;
-        }
-        Ok(())
+        Ok(Self { made })
+    }
+
+    /// Levels of the texture with this label.
+    fn texels(&self, label: &str) -> Option<Texels<'_>> {
+        let (planned, levels) = self.made.iter().find(|(i, _)| i.label == label)?;
+        Some(Texels {
+            extent: planned.extent,
+            levels,
+        })
     }
 }
 

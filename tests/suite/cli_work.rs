@@ -289,6 +289,20 @@ fn benchmarks_report_passes_device_and_bytes() {
 }
 
 #[test]
+fn benchmarks_of_slice_and_surface_draw_them() {
+    let place = Place::new();
+    for view in ["slice", "surface"] {
+        let arguments = ["bench", "render", SHRUB, "--runs", "1", "--warm-up", "0"];
+        let report = place.json(&with(&with(&arguments, &["--view", view]), &QUICK));
+        let passes = report["passes"].as_array().unwrap();
+        assert!(
+            passes.iter().any(|p| p["stage"] == "overlay"),
+            "{view}: {report:#}"
+        );
+    }
+}
+
+#[test]
 fn conformance_reports_each_case() {
     let place = Place::new();
     let report = place.json(&["--validate", "conform", "gpu."]);

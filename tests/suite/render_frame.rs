@@ -182,6 +182,29 @@ fn masks_cut_a_disc_out_of_a_card() {
 }
 
 #[test]
+fn cut_cards_show_what_whole_cards_show() {
+    let model = card();
+    let settings = RenderSettings {
+        samples: 4,
+        camera: look(DVec3::new(0.0, 1.2, 5.0), DVec3::new(0.0, 1.2, 0.0)),
+        fov: 2.0 * 0.4f64.atan().to_degrees(),
+        ..plain([128, 128])
+    };
+    assert!(settings.leaf_outline > 0, "cards are cut by default");
+    let cut = picture(&model, &settings, View::Standard);
+    let whole = RenderSettings {
+        leaf_outline: 0,
+        ..settings
+    };
+    let whole = picture(&model, &whole, View::Standard);
+    let pairs = cut.rgba.chunks_exact(4).zip(whole.rgba.chunks_exact(4));
+    let off = pairs
+        .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 8))
+        .count();
+    assert!(off < 16, "{off} of 16384 pixels");
+}
+
+#[test]
 fn far_from_the_origin_and_at_any_scale_the_picture_is_the_same() {
     let settings = RenderSettings {
         shadow_size: 256,

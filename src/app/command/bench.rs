@@ -113,7 +113,11 @@ fn bench_render(
     } else {
         None
     };
-    let subject = super::render::subject(prepared, baked.as_ref());
+    let found = super::render::field(context, prepared, &[args.view], stages)?;
+    let mut subject = super::render::subject(prepared, baked.as_ref());
+    if let Some(found) = &found {
+        super::render::show_field(&mut subject, found);
+    }
     let plan = stages.measure("plan", || Plan::new(&subject, &settings, &[args.view]))?;
     let mut measured = Measured {
         bytes: plan.bytes(),

@@ -99,7 +99,7 @@ fn draw(
 }
 
 /// The surface and its grid, where a view shows them.
-fn field(
+pub(super) fn field(
     context: &Context,
     prepared: &Prepared,
     views: &[View],
@@ -124,7 +124,8 @@ fn field(
     Ok(Some(found))
 }
 
-fn show_field<'a>(subject: &mut Subject<'a>, found: &'a Surfaced) {
+/// Gives the renderer a surface and its grid.
+pub(super) fn show_field<'a>(subject: &mut Subject<'a>, found: &'a Surfaced) {
     let surface = &found.surface;
     subject.surface = Some(SurfaceMesh {
         positions: &surface.positions,
