@@ -9,6 +9,10 @@ abi! {
     constants {
         /// Values that one invocation of the scan adds up.
         SCAN_CHUNK: u32 = 256;
+        /// Numbers that one invocation of the radix sort moves.
+        RADIX_BLOCK: u32 = 64;
+        /// Bits of one digit of the radix sort.
+        RADIX_BITS: u32 = 6;
         /// Invocations that share one tile of nodes or block of queries; each takes every
         /// `FIELD_SLOTS`-th generator.
         FIELD_SLOTS: u32 = 8;
@@ -206,6 +210,16 @@ abi! {
             count: u32,
             /// Whether `scan_apply` adds the scanned chunk sums of `bases`.
             has_bases: u32,
+        }
+
+        /// One digit of the stable radix sort.
+        Radix {
+            /// Numbers.
+            count: u32,
+            /// Blocks of `RADIX_BLOCK` numbers.
+            blocks: u32,
+            /// Lowest bit of the digit; 0: the numbers are still in their own order.
+            shift: u32,
         }
 
         /// Push constants of the kernels that sort points into bins.

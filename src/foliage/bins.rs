@@ -118,6 +118,60 @@ pub(super) fn bin(
     Ok(Binned { first, places })
 }
 
+/// Numbers of `count` points in the order of their bins, ascending inside a bin, so that sums over
+/// a bin have one order whatever the atomics of [`bin`] did.
+///
+/// Stable radix sort: bounded loops also where all points share one bin.
+pub(super) fn order(
+    r: &mut Recorder<'_>,
+    what: &str,
+    places: &Store,
+    count: usize,
+    bins: usize,
+) -> Result<Store> {
+    let blocks = count.div_ceil(abi::RADIX_BLOCK as usize);
+    let table = blocks << abi::RADIX_BITS;
+    let mut sorted = r.array::<u32>(&format!("{what} order"), count)?;
+    let mut before = r.array::<u32>(&format!("{what} order, one digit before"), count)?;
+    let label = format!("order {what}");
+    let bits = usize::BITS - bins.saturating_sub(1).leading_zeros();
+    for shift in (0..bits.max(1)).step_by(abi::RADIX_BITS as usize) {
+        std::mem::swap(&mut sorted, &mut before);
+        let push = abi::Radix {
+            count: count as u32,
+            blocks: blocks as u32,
+            shift,
+        };
+        let counts = r.array::<u32>(&format!("{what} digit counts"), table)?;
+        r.fill(&label, &counts, 0)?;
+        r.compute(
+            &label,
+            shaders::RADIX_COUNT_COMP,
+            &[
+                Use::Read(places),
+                Use::Read(&before),
+                Use::ReadWrite(&counts),
+            ],
+            &push,
+            blocks,
+        )?;
+        let offsets = scan(r, &format!("{what} digits"), &counts, table)?;
+        r.compute(
+            &label,
+            shaders::RADIX_SCATTER_COMP,
+            &[
+                Use::Read(places),
+                Use::Read(&before),
+                Use::ReadWrite(&offsets),
+                Use::Write(&sorted),
+            ],
+            &push,
+            blocks,
+        )?;
+    }
+    Ok(sorted)
+}
+
 /// Most points in any box of `window` bins, from the bins' first points (rows, x fastest).
 ///
 /// Summed-area table (Crow 1984) in three dimensions.

@@ -1,6 +1,6 @@
 //! Generators of the density field on the device (Luft, Balzer, Deussen 2007, section 3.1).
 
-use super::bins::{BinGrid, Binned, bin, most_in_window};
+use super::bins::{BinGrid, Binned, bin, most_in_window, order};
 use super::recorder::{Picture, Recorder, Store, Use};
 use super::split::Leaves;
 use crate::abi;
@@ -106,27 +106,8 @@ impl Generators {
         reach: f32,
     ) -> Result<BinnedGenerators> {
         let binned = bin(r, "generator", &self.centres, self.count, &grid)?;
-        let sorted = r.array::<u32>("generator order", self.count)?;
         self.check_reach(r, &grid, &binned, reach)?;
-        let push = grid.push(self.count, 0.0);
-        r.compute(
-            "emit generators",
-            shaders::BIN_EMIT_COMP,
-            &[
-                Use::Read(&binned.places),
-                Use::Read(&binned.first),
-                Use::Write(&sorted),
-            ],
-            &push,
-            self.count,
-        )?;
-        r.compute(
-            "order generators",
-            shaders::BIN_ORDER_COMP,
-            &[Use::Read(&binned.first), Use::ReadWrite(&sorted)],
-            &push,
-            grid.len(),
-        )?;
+        let sorted = order(r, "generators", &binned.places, self.count, grid.len())?;
         Ok(BinnedGenerators {
             grid,
             binned,

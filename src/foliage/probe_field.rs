@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::ambient;
 use super::bake::{Bake, Stats};
-use super::bins::BinGrid;
+use super::bins::{self, BinGrid};
 use super::field::{Field, NodeGrid, Queries};
 use super::generators::{self, Generators, SortedGenerators};
 use super::realign;
@@ -29,6 +29,21 @@ pub struct FieldInput<'a> {
     pub norm: Norm,
     /// Half the extent of a box about zero that holds the generators.
     pub half: DVec3,
+}
+
+/// Points sorted into bins.
+#[derive(Debug, Clone)]
+pub struct BinnedPoints {
+    /// Corner of bin (0,0,0).
+    pub origin: [f32; 3],
+    /// Edge of a bin.
+    pub edge: f32,
+    /// Bins per axis, x fastest.
+    pub bins: [u32; 3],
+    /// Bin of every point.
+    pub bin_of_point: Vec<u32>,
+    /// Numbers of the points in the order of their bins, ascending inside a bin.
+    pub order: Vec<u32>,
 }
 
 /// Runs `make` on a recorder and returns the `count` elements of the store that it leaves.
@@ -100,6 +115,30 @@ impl FieldInput<'_> {
             let queries = self.queries(r, points)?;
             self.with(&sorted)
                 .at_queries(r, "field", &queries, abi::FIELD_DENSITY)
+        })
+    }
+
+    /// Bin of every generator, and the generators in the order of the bins.
+    ///
+    /// # Errors
+    /// A failing device.
+    pub fn binned(&self, gpu: &Gpu) -> Result<BinnedPoints> {
+        let mut silent = |_: &str, _: f32| {};
+        let r = &mut Recorder::new(Some(gpu), &mut silent);
+        let count = self.generators.len();
+        let grid = BinGrid::for_generators(self.half, count, &[self.radius]);
+        let points = r.upload("points", self.generators)?;
+        let binned = bins::bin(r, "point", &points, count, &grid)?;
+        let order = bins::order(r, "points", &binned.places, count, grid.len())?;
+        let places: Vec<[u32; 2]> = r.fetch("places", &binned.places, Vec::new)?;
+        let mut order = r.fetch("order", &order, Vec::new)?;
+        order.truncate(count);
+        Ok(BinnedPoints {
+            origin: grid.origin,
+            edge: grid.edge,
+            bins: grid.bins,
+            bin_of_point: places.iter().take(count).map(|p| p[0]).collect(),
+            order,
         })
     }
 

@@ -2,6 +2,7 @@
 //! same loop order, no Vulkan. They take the kernels' own f32 inputs, widened.
 
 pub mod ambient;
+pub mod bins;
 pub mod density;
 pub mod encode;
 pub mod generators;

@@ -4,6 +4,7 @@
 //! cases, so `umbrage conform` and the tests cannot drift apart.
 
 mod foliage;
+mod foliage_bins;
 mod foliage_ends;
 mod foliage_subset;
 mod foliage_surface;
@@ -80,6 +81,7 @@ impl Outcome {
 pub fn cases() -> Vec<Case> {
     let mut cases = gpu::cases();
     cases.extend(foliage::cases());
+    cases.extend(foliage_bins::cases());
     cases.extend(foliage_ends::cases());
     cases.extend(foliage_subset::cases());
     cases.extend(foliage_surface::cases());
