@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::mips;
 use super::order;
 use super::outline::{Outlines, Texels, mix_arrays, mix_normals, mix_points};
 use super::plan::{Attribute, PixelFormat, Plan, PlannedImage, label};
@@ -271,7 +272,7 @@ impl<'a> Textures<'a> {
                     .iter()
                     .find(|d| d.0 == key.image)
                     .expect("every image was decoded");
-                (i, texture::mip_levels(image, key, settings.texture_size))
+                (i, mips::mip_levels(image, key, settings.texture_size))
             })
             .collect();
         Ok(Self { made })
