@@ -20,6 +20,7 @@ mod foliage_realign;
 mod foliage_skylight;
 mod foliage_surface;
 mod foliage_traced;
+mod golden;
 mod gpu;
 mod grow;
 mod model_fixture;
