@@ -30,7 +30,7 @@ pub use image::Picture;
 pub use plan::{Attribute, Channel, Plan};
 pub use renderer::{Rendered, Renderer};
 pub use setting_table::{SETTINGS, SettingInfo};
-pub use settings::{Background, Encoding, RenderSettings};
+pub use settings::{Background, Encoding, RenderSettings, ShadowFit};
 pub use sheet::sheet;
 pub use subject::{Baked, FieldGrid, Subject, SurfaceMesh};
 pub use view::View;

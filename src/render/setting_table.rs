@@ -1,6 +1,6 @@
 //! The table of a picture's settings: names, units, ranges, how they are read and written.
 
-use super::settings::{Background, Encoding, RenderSettings};
+use super::settings::{Background, Encoding, RenderSettings, ShadowFit};
 use crate::scene::Sky;
 use crate::{Error, Result};
 
@@ -276,6 +276,26 @@ pub const SETTINGS: &[SettingInfo] = &[
         get: |s| s.shadow_size.to_string(),
         set: |s, t| {
             s.shadow_size = integer(t, 16..=8192)?;
+            Ok(())
+        },
+    },
+    SettingInfo {
+        name: "shadow-fit",
+        unit: "tight|sphere",
+        help: "What the shadow map spans: the casters as the sun sees them, or the sphere around them, \
+               coarser but the same from everywhere: no shimmer when the sun moves",
+        get: |s| match s.shadow_fit {
+            ShadowFit::Tight => "tight".into(),
+            ShadowFit::Sphere => "sphere".into(),
+        },
+        set: |s, t| {
+            s.shadow_fit = match t {
+                "tight" => ShadowFit::Tight,
+                "sphere" => ShadowFit::Sphere,
+                _ => {
+                    return Err(Error::usage(format!("shadow fit `{t}`: tight or sphere")));
+                }
+            };
             Ok(())
         },
     },

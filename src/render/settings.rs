@@ -13,6 +13,17 @@ pub enum Background {
     Color([f32; 3]),
 }
 
+/// What the shadow map spans.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ShadowFit {
+    /// The casters as the sun sees them: the finest shadows.
+    #[default]
+    Tight,
+    /// The sphere around the casters' bounding box: texels keep their size when the sun moves, so
+    /// that shadows do not shimmer.
+    Sphere,
+}
+
 /// How normal and ambient coefficient travel to the vertex shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Encoding {
@@ -39,6 +50,8 @@ pub struct RenderSettings {
     pub shadows: bool,
     /// Texels along an edge of the shadow map.
     pub shadow_size: u32,
+    /// What the shadow map spans.
+    pub shadow_fit: ShadowFit,
     /// Radius of the shadow filter, texels of the map.
     pub shadow_radius: f32,
     /// Textures are decoded and used; without them alpha cuts nothing out either.
@@ -87,6 +100,7 @@ impl Default for RenderSettings {
             samples: 4,
             shadows: true,
             shadow_size: 2048,
+            shadow_fit: ShadowFit::Tight,
             shadow_radius: 2.5,
             textures: true,
             texture_size: 2048,

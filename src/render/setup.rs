@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::settings::{Background, RenderSettings};
+use super::settings::{Background, RenderSettings, ShadowFit};
 use super::subject::Subject;
 use super::view::View;
 use crate::abi::{self, RenderFrame};
@@ -126,6 +126,18 @@ fn ground_albedo(settings: &RenderSettings, horizon: [f32; 3], terms: u32) -> [f
     })
 }
 
+/// The sun's view of the casters.
+fn sun_view(subject: &Subject<'_>, settings: &RenderSettings) -> LightView {
+    let g = subject.geometry;
+    let to_sun = settings.sun.direction();
+    let (size, border) = (settings.shadow_size, SHADOW_BORDER);
+    if settings.shadow_fit == ShadowFit::Sphere && !g.positions.is_empty() {
+        let sphere = (0.5 * (g.min + g.max), 0.5 * f64::from(g.diagonal()));
+        return LightView::around(to_sun, sphere, size, border);
+    }
+    LightView::fit(to_sun, g.positions.iter().copied(), size, border)
+}
+
 impl Setup {
     /// Camera, sun's view and uniform data.
     #[must_use]
@@ -133,12 +145,7 @@ impl Setup {
         let g = subject.geometry;
         let camera = camera(subject, settings);
         let to_sun = settings.sun.direction();
-        let sun = LightView::fit(
-            to_sun,
-            g.positions.iter().copied(),
-            settings.shadow_size,
-            SHADOW_BORDER,
-        );
+        let sun = sun_view(subject, settings);
         let texels = settings.shadow_size as f32;
         let [right, up, _] = camera.basis();
         let [half_width, half_height] = camera.half_extent();

@@ -320,6 +320,22 @@ impl LightView {
         if !min.is_finite() {
             (min, max) = (DVec3::splat(-0.5), DVec3::splat(0.5));
         }
+        Self::of_box(to_light, [min, max], size, border)
+    }
+
+    /// A box of the same size whatever the light's direction: around a sphere, widened like
+    /// [`LightView::fit`].
+    #[must_use]
+    pub fn around(to_light: DVec3, (centre, radius): (Vec3, f64), size: u32, border: u32) -> Self {
+        let p = centre.as_dvec3();
+        let middle = DVec3::from_array(basis(-to_light).map(|axis| axis.dot(p)));
+        let reach = DVec3::splat(radius);
+        Self::of_box(to_light, [middle - reach, middle + reach], size, border)
+    }
+
+    /// The view of a box given along right, up and backward.
+    fn of_box(to_light: DVec3, [min, max]: [DVec3; 2], size: u32, border: u32) -> Self {
+        let up = basis(-to_light)[1];
         let grow = f64::from(size) / f64::from(size.saturating_sub(2 * border).max(1));
         let centre = 0.5 * (min + max);
         // A subject without thickness along an axis still needs a box.
@@ -345,6 +361,33 @@ impl LightView {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn around_a_sphere_the_map_is_the_same_from_everywhere() {
+        let points = cloud();
+        let (low, high) = points
+            .iter()
+            .fold((Vec3::MAX, Vec3::MIN), |(a, b), p| (a.min(*p), b.max(*p)));
+        let sphere = (0.5 * (low + high), 0.5 * f64::from(low.distance(high)));
+        for direction in [DVec3::Y, DVec3::X, DVec3::new(0.3, 0.8, -0.5).normalize()] {
+            let view = LightView::around(direction, sphere, 512, 4);
+            let wide = 2.0 * sphere.1 * 512.0 / 504.0;
+            for extent in view.extent {
+                assert!(
+                    (f64::from(extent) / wide - 1.0).abs() < 1e-6,
+                    "{extent}, {wide}"
+                );
+            }
+            for p in &points {
+                let at = view.relative_to_clip.project_point3(*p);
+                assert!(
+                    at.truncate().abs().max_element() < 504.0 / 512.0 + 1e-5,
+                    "{at}"
+                );
+                assert!((0.0..=1.0).contains(&at.z), "{at}");
+            }
+        }
+    }
 
     const LENS: Lens = Lens {
         fov: 40.0,

@@ -14,7 +14,8 @@ use crate::reference::shade::{
 };
 use crate::render::setup::camera;
 use crate::render::{
-    Background, Baked, CameraSpec, Encoding, Plan, RenderSettings, Renderer, Sky, Subject, View,
+    Background, Baked, CameraSpec, Encoding, Plan, RenderSettings, Renderer, ShadowFit, Sky,
+    Subject, View,
 };
 use crate::scene::{Geometry, Instance, Material, Mesh, Model, Primitive};
 
@@ -38,7 +39,11 @@ pub(super) fn cases() -> Vec<Case> {
         },
         Case {
             name: "render.shadow.box",
-            run: shadow,
+            run: |gpu| shadow(gpu, ShadowFit::Tight),
+        },
+        Case {
+            name: "render.shadow.box.sphere",
+            run: |gpu| shadow(gpu, ShadowFit::Sphere),
         },
     ]
 }
@@ -249,7 +254,7 @@ fn eq1(surface: &Surface, material: &Material, s: &RenderSettings, to_eye: DVec3
 
 /// A lid over a floor, sun from straight above: pixels of the floor under the lid get no sun, the
 /// others all of it. Error: share of pixels (off the edge of the shadow) that are wrong.
-fn shadow(gpu: &Gpu) -> Result<Outcome> {
+fn shadow(gpu: &Gpu, shadow_fit: ShadowFit) -> Result<Outcome> {
     let quad = |half: f32, y: f32| Primitive {
         positions: vec![
             [-half, y, -half],
@@ -281,6 +286,7 @@ fn shadow(gpu: &Gpu) -> Result<Outcome> {
         size: [128, 128],
         samples: 1,
         shadow_size: 256,
+        shadow_fit,
         ground: false,
         // From below the lid, so that it hides nothing of the floor that is looked at.
         camera: "0,0.45,7/0,0,0".parse()?,
