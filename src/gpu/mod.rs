@@ -6,6 +6,7 @@
 #![allow(unsafe_code, reason = "the one room that talks to Vulkan")]
 
 mod access;
+mod barriers;
 mod binding;
 mod buffer;
 #[cfg(test)]

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use ash::vk;
 
 use super::access::{Access, Barrier};
+use super::barriers::{Pending, combine};
 use super::binding::Resource;
 use super::buffer::Buffer;
 use super::descriptors::Descriptors;
@@ -88,13 +89,6 @@ impl Drop for Touches {
             *usage(touched.resource.tracked()) = touched.before;
         }
     }
-}
-
-/// Barriers to record before the next pass.
-#[derive(Default)]
-struct Pending {
-    buffers: Vec<vk::BufferMemoryBarrier2<'static>>,
-    images: Vec<vk::ImageMemoryBarrier2<'static>>,
 }
 
 /// A command buffer being recorded.
@@ -404,82 +398,6 @@ fn submit_commands(
     .map_err(|e| device_error(label, e))?;
     *last = value;
     Ok(value)
-}
-
-impl Pending {
-    fn is_empty(&self) -> bool {
-        self.buffers.is_empty() && self.images.is_empty()
-    }
-
-    fn push(&mut self, resource: &Resource, b: Barrier, (from, to): (u32, u32)) {
-        match resource {
-            Resource::Buffer(buffer) => self.buffers.push(
-                vk::BufferMemoryBarrier2::default()
-                    .src_stage_mask(b.src_stages)
-                    .src_access_mask(b.src_access)
-                    .dst_stage_mask(b.dst_stages)
-                    .dst_access_mask(b.dst_access)
-                    .src_queue_family_index(from)
-                    .dst_queue_family_index(to)
-                    .buffer(buffer.inner.raw)
-                    .size(vk::WHOLE_SIZE),
-            ),
-            Resource::Image(image) => self.images.push(
-                vk::ImageMemoryBarrier2::default()
-                    .src_stage_mask(b.src_stages)
-                    .src_access_mask(b.src_access)
-                    .dst_stage_mask(b.dst_stages)
-                    .dst_access_mask(b.dst_access)
-                    .src_queue_family_index(from)
-                    .dst_queue_family_index(to)
-                    .old_layout(b.old_layout)
-                    .new_layout(b.new_layout)
-                    .image(image.inner.raw)
-                    .subresource_range(image.range()),
-            ),
-        }
-    }
-
-    fn record(&self, gpu: &Gpu, cmd: vk::CommandBuffer) {
-        if !self.is_empty() {
-            let info = vk::DependencyInfo::default()
-                .buffer_memory_barriers(&self.buffers)
-                .image_memory_barriers(&self.images);
-            // SAFETY: recording, outside of rendering; the resources are kept alive by the work.
-            unsafe { gpu.inner.device.cmd_pipeline_barrier2(cmd, &info) };
-        }
-    }
-}
-
-/// One access per resource: two ranges of one buffer, one read and one written by a kernel, are
-/// one read-write use.
-fn combine(label: &str, accesses: &[(Resource, Access)]) -> Vec<(Resource, Access)> {
-    let mut out: Vec<(Resource, Access)> = Vec::with_capacity(accesses.len());
-    for (resource, access) in accesses {
-        match out.iter_mut().find(|(r, _)| r.key() == resource.key()) {
-            None => out.push((resource.clone(), *access)),
-            Some((_, known)) if *known == *access => {}
-            Some((_, known)) => {
-                let kernel = [
-                    Access::ComputeRead,
-                    Access::ComputeWrite,
-                    Access::ComputeReadWrite,
-                ];
-                if kernel.contains(known) && kernel.contains(access) {
-                    *known = Access::ComputeReadWrite;
-                } else {
-                    let writes = known.scope().writes || access.scope().writes;
-                    assert!(
-                        !writes && !resource.is_image(),
-                        "{label}: {} is used as {known:?} and {access:?}",
-                        resource.name()
-                    );
-                    out.push((resource.clone(), *access));
-                }
-            }
-        }
-    }
-    out
 }
 
 /// Shorthand for passes: a buffer handle as a resource.
