@@ -17,8 +17,7 @@ pub struct Frame {
 impl Frame {
     /// The frame of a box.
     #[must_use]
-    pub fn new(min: Vec3, max: Vec3) -> Self {
-        let (min, max) = (min.as_dvec3(), max.as_dvec3());
+    pub fn new(min: DVec3, max: DVec3) -> Self {
         let extent = (max - min).length();
         let diagonal = if extent > 0.0 { extent } else { 1.0 };
         Self {
@@ -28,10 +27,10 @@ impl Frame {
         }
     }
 
-    /// Normalised position.
+    /// Normalised position; the only rounding on the way to the device.
     #[must_use]
-    pub fn normalise(&self, p: Vec3) -> Vec3 {
-        ((p.as_dvec3() - self.centre) / self.diagonal).as_vec3()
+    pub fn normalise(&self, p: DVec3) -> Vec3 {
+        ((p - self.centre) / self.diagonal).as_vec3()
     }
 
     /// Position relative to the geometry's origin.

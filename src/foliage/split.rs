@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use regex::{Regex, RegexBuilder};
 
 use super::settings::Primitive;
@@ -70,11 +70,11 @@ impl Split {
 
     /// Smallest and largest corner of the foliage, relative to the geometry's origin.
     #[must_use]
-    pub fn bounds(&self, geometry: &Geometry) -> (Vec3, Vec3) {
+    pub fn bounds(&self, geometry: &Geometry) -> (DVec3, DVec3) {
         self.foliage_vertices.iter().fold(
-            (Vec3::INFINITY, Vec3::NEG_INFINITY),
+            (DVec3::INFINITY, DVec3::NEG_INFINITY),
             |(low, high), &v| {
-                let p = geometry.positions[v as usize];
+                let p = geometry.exact(v as usize);
                 (low.min(p), high.max(p))
             },
         )

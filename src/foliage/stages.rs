@@ -90,7 +90,7 @@ impl<'a> Vertices<'a> {
 /// Normalised positions, padded to four floats.
 fn normalised(scene: &Scene<'_>, numbers: &[u32]) -> Vec<[f32; 4]> {
     let at = |&v: &u32| {
-        let p = scene.geometry.positions[v as usize];
+        let p = scene.geometry.exact(v as usize);
         scene.frame.normalise(p).extend(0.0).to_array()
     };
     numbers.iter().map(at).collect()

@@ -17,6 +17,10 @@ pub struct Geometry {
     pub origin: DVec3,
     /// Position relative to `origin`, metres.
     pub positions: Vec<Vec3>,
+    /// What rounding took from `positions`: added to them, the f64 positions come out. Work in
+    /// other units than metres starts from the sum ([`Geometry::exact`]), so that a model and its
+    /// copy at another scale or place are rounded alike. Empty: nothing was taken.
+    pub rounded_off: Vec<Vec3>,
     /// Unit normals as the model has them; made from faces (area-weighted) where it has none or
     /// has a zero one.
     pub normals: Vec<Vec3>,
@@ -141,6 +145,13 @@ impl Geometry {
         (self.max - self.min).length()
     }
 
+    /// Position of a vertex relative to [`Geometry::origin`], as far as known.
+    #[must_use]
+    pub fn exact(&self, vertex: usize) -> DVec3 {
+        let rounded_off = self.rounded_off.get(vertex).copied().unwrap_or_default();
+        self.positions[vertex].as_dvec3() + rounded_off.as_dvec3()
+    }
+
     fn place(&mut self, world: &[DVec3]) {
         let (min, max) = world
             .iter()
@@ -151,7 +162,12 @@ impl Geometry {
             return;
         }
         self.origin = 0.5 * (min + max);
-        self.positions = world.iter().map(|&q| (q - self.origin).as_vec3()).collect();
+        let relative = world.iter().map(|&q| q - self.origin);
+        self.positions = relative.clone().map(|q| q.as_vec3()).collect();
+        self.rounded_off = relative
+            .zip(&self.positions)
+            .map(|(q, p)| (q - p.as_dvec3()).as_vec3())
+            .collect();
         self.min = (min - self.origin).as_vec3();
         self.max = (max - self.origin).as_vec3();
     }

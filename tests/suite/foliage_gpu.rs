@@ -153,25 +153,45 @@ fn normals_point_out_of_a_ball_and_its_core_is_darker() {
     );
 }
 
+/// Also in the modes that choose (the nearest vertex, the way down to the surface), where one bit
+/// decides between two places that are equally near.
 #[test]
 fn scale_and_distance_change_nothing() {
     let gpu = fixture::gpu();
-    let settings = small(NormalsMode::Gradient);
-    let expected = bake(&gpu, &tree(200, DAffine3::IDENTITY), &settings);
     let offset = DVec3::new(5e6, 100.0, -5e6);
-    for (scale, offset) in [(1e-3, DVec3::ZERO), (1e6, DVec3::ZERO), (1.0, offset)] {
-        let placed = DAffine3::from_scale_rotation_translation(
+    let placed = [(1e-3, DVec3::ZERO), (1e6, offset), (1.0, offset)].map(|(scale, offset)| {
+        let placement = DAffine3::from_scale_rotation_translation(
             DVec3::splat(scale),
             glam::DQuat::IDENTITY,
             offset,
         );
-        let got = bake(&gpu, &tree(200, placed), &settings);
-        for (v, (a, b)) in expected.normals.iter().zip(&got.normals).enumerate() {
-            let angle = a.angle_between(*b).to_degrees();
-            assert!(angle < 0.1, "{angle} degrees at {v}, scale {scale}");
-        }
-        for (a, b) in expected.ambient.iter().zip(&got.ambient) {
-            assert!((a - b).abs() < 1e-3, "ambient {a} {b}, scale {scale}");
+        (scale, tree(200, placement))
+    });
+    for mode in [
+        NormalsMode::Vertex,
+        NormalsMode::Face,
+        NormalsMode::Exact,
+        NormalsMode::Gradient,
+        NormalsMode::Multiscale,
+        NormalsMode::Open,
+    ] {
+        let settings = small(mode);
+        let expected = bake(&gpu, &tree(200, DAffine3::IDENTITY), &settings);
+        for (scale, model) in &placed {
+            let got = bake(&gpu, model, &settings);
+            for (v, (a, b)) in expected.normals.iter().zip(&got.normals).enumerate() {
+                let angle = a.angle_between(*b).to_degrees();
+                assert!(
+                    angle < 0.1,
+                    "{mode:?}: {angle} degrees at {v}, scale {scale}"
+                );
+            }
+            for (a, b) in expected.ambient.iter().zip(&got.ambient) {
+                assert!(
+                    (a - b).abs() < 1e-3,
+                    "{mode:?}: ambient {a} {b}, scale {scale}"
+                );
+            }
         }
     }
 }

@@ -31,7 +31,7 @@ impl Sweep<'_> {
         );
         let centre = {
             let (min, max) = self.split.bounds(self.geometry);
-            0.5 * (min + max)
+            (0.5 * (min + max)).as_vec3()
         };
         let sphere: Vec<Vec3> = self
             .geometry
