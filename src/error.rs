@@ -22,9 +22,12 @@ pub enum Error {
     /// A setting outside its range, an unknown name, an impossible combination.
     #[error("{0}")]
     Usage(String),
-    /// No Vulkan device fits, or a limit of the device is exceeded before anything is allocated.
+    /// A limit of the device is exceeded before anything is allocated.
     #[error("{0}")]
     Unsupported(String),
+    /// There is no Vulkan driver, or none of its devices can be used.
+    #[error("{0}")]
+    NoDevice(String),
     /// The device was lost or ran out of memory while working.
     #[error("{doing}: {reason}; try a smaller size, a coarser grid or another --device")]
     Device {
@@ -54,7 +57,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::File { .. } | Self::Usage(_) | Self::Unsupported(_) => 2,
-            Self::Device { .. } => 3,
+            Self::NoDevice(_) | Self::Device { .. } => 3,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::cache::Cache;
 use super::cli::GlobalArgs;
-use super::console;
+use super::{console, output};
 use crate::Result;
 use crate::gpu::{Gpu, GpuOptions, Validation};
 
@@ -14,6 +14,7 @@ use crate::gpu::{Gpu, GpuOptions, Validation};
 pub struct Context {
     options: GlobalArgs,
     gpu: OnceCell<Gpu>,
+    cache: OnceCell<Option<PathBuf>>,
 }
 
 impl Context {
@@ -23,6 +24,7 @@ impl Context {
         Self {
             options,
             gpu: OnceCell::new(),
+            cache: OnceCell::new(),
         }
     }
 
@@ -57,8 +59,19 @@ impl Context {
             pipeline_cache: self.cache_folder(),
             ..GpuOptions::default()
         })?;
-        log::info!("device: {} ({})", gpu.info().name, gpu.info().driver_info);
         Ok(self.gpu.get_or_init(|| gpu))
+    }
+
+    /// Opens the device now if the user named one: a name that no device has is told before a
+    /// large model is read.
+    ///
+    /// # Errors
+    /// As [`Context::gpu`].
+    pub fn check_device(&self) -> Result<()> {
+        match self.options.device {
+            Some(_) => self.gpu().map(|_| ()),
+            None => Ok(()),
+        }
     }
 
     /// Kept results; an empty cache with `--no-cache`.
@@ -75,13 +88,23 @@ impl Context {
             .map_or_else(Vec::new, Gpu::take_validation_messages)
     }
 
+    /// Where bakes and pipelines are kept; none when that is not wanted, or not possible, which
+    /// is told once.
     fn cache_folder(&self) -> Option<PathBuf> {
         if self.options.no_cache {
             return None;
         }
-        self.options
-            .cache_dir
-            .clone()
-            .or_else(Cache::default_folder)
+        let find = || {
+            let chosen = self.options.cache_dir.clone();
+            let folder = chosen.or_else(Cache::default_folder)?;
+            match output::check_folder(&folder) {
+                Ok(()) => Some(folder),
+                Err(error) => {
+                    log::warn!("cache: {error}; nothing is kept");
+                    None
+                }
+            }
+        };
+        self.cache.get_or_init(find).clone()
     }
 }

@@ -44,6 +44,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn dispatch(context: &Context, command: &Command) -> Result<Report> {
+    let computes = !matches!(command, Command::Grow(_) | Command::Settings(_));
+    if computes {
+        context.check_device()?;
+    }
     match command {
         Command::Render(args) => command::render::run(context, args),
         Command::Bake(args) => command::bake::run(context, args),

@@ -68,6 +68,19 @@ impl FromStr for Source {
 }
 
 impl Source {
+    /// The files that the command line names for it.
+    pub fn files<'a>(
+        &'a self,
+        textures: &'a [(String, PathBuf)],
+    ) -> impl Iterator<Item = &'a Path> {
+        let own = match self {
+            Self::File(path) | Self::Scene(path) => Some(&**path),
+            Self::Grown { .. } => None,
+        };
+        let textures = textures.iter().map(|(_, file)| &**file);
+        own.into_iter().chain(textures)
+    }
+
     /// One model, not a scene of several.
     #[must_use]
     pub fn is_model(&self) -> bool {
@@ -120,7 +133,11 @@ impl Input {
         let _working = console::working(format!("reading {source}"));
         let model = match source {
             Source::File(path) => read(path, textures)?,
-            Source::Grown { species, options } => grow::grow(*species, options)?,
+            Source::Grown { species, options } => Model {
+                // As the user wrote it, for messages.
+                name: source.to_string(),
+                ..grow::grow(*species, options)?
+            },
             Source::Scene(path) => return Self::load_scene(path, textures),
         };
         for warning in &model.warnings {

@@ -84,6 +84,52 @@ impl Drop for PendingFile {
     }
 }
 
+/// Refuses a name whose ending is none of `endings`: what is written is what the name says.
+///
+/// # Errors
+/// Names the endings.
+pub fn check_ending(path: &Path, endings: &[&str]) -> Result<()> {
+    let extension = path.extension().unwrap_or_default();
+    if endings.iter().any(|e| extension.eq_ignore_ascii_case(e)) || path.is_dir() {
+        // A folder has a message of its own.
+        return Ok(());
+    }
+    let endings: Vec<String> = endings.iter().map(|e| format!(".{e}")).collect();
+    let reason = format!("output: the name must end in {}", endings.join(" or "));
+    Err(Error::file(path, reason))
+}
+
+/// Refuses to write over one of `inputs`.
+///
+/// # Errors
+/// `path` is one of them, by whatever name.
+pub fn check_apart<'a>(path: &Path, inputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    let Ok(output) = fs::canonicalize(path) else {
+        return Ok(());
+    };
+    let same = |input: &&Path| fs::canonicalize(input).is_ok_and(|i| i == output);
+    match inputs.into_iter().find(same) {
+        Some(_) => Err(Error::file(
+            path,
+            "output: is an input too and would be overwritten; choose another name",
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Makes `folder` and sees whether files can be made in it.
+///
+/// # Errors
+/// Says why not.
+pub fn check_folder(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
+    let probe = folder.join(format!(".{}.probe", std::process::id()));
+    let made = File::create(&probe).map_err(|e| Error::file(folder, e));
+    // Gone at once; when it was not made there is nothing to remove.
+    let _ = fs::remove_file(&probe);
+    made.map(|_| ())
+}
+
 /// Writes `bytes` to `path`, whole or not at all.
 ///
 /// # Errors
@@ -143,6 +189,29 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         drop(PendingFile::create(&folder.path().join("a.bin")).unwrap());
         assert!(entries(folder.path()).is_empty(), "temporary file removed");
+    }
+
+    #[test]
+    fn names_say_what_is_written() {
+        for good in ["a.png", "b/a.JPG"] {
+            check_ending(Path::new(good), &["png", "jpg"]).unwrap();
+        }
+        for bad in ["a.bmp", "a", "png", ".png"] {
+            let error = check_ending(Path::new(bad), &["png", "jpg"]).expect_err(bad);
+            assert!(error.to_string().contains(".png or .jpg"), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_input_is_not_written_over_by_whatever_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let input = folder.path().join("a.glb");
+        fs::write(&input, b"x").unwrap();
+        let around = folder.path().join(".").join("a.glb");
+        assert!(check_apart(&around, [&*input]).is_err(), "the same file");
+        check_apart(&folder.path().join("b.glb"), [&*input]).unwrap();
+        fs::write(folder.path().join("b.glb"), b"x").unwrap();
+        check_apart(&folder.path().join("b.glb"), [&*input]).unwrap();
     }
 
     #[test]

@@ -125,7 +125,7 @@ struct AlphaMap {
 impl AlphaMap {
     fn new(model: &Model, reference: TextureRef) -> Result<Self> {
         let texture = &model.textures[reference.texture];
-        let image = textures::decode(&model.images[texture.image])?;
+        let image = textures::decode_of(model, texture.image)?;
         Ok(Self {
             width: image.width,
             height: image.height,

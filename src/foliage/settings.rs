@@ -167,14 +167,22 @@ pub enum Threshold {
 impl fmt::Display for Threshold {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Quantile(q) => write!(f, "{}%", round6(f64::from(*q) * 100.0)),
+            Self::Quantile(q) => write!(f, "{}%", percent(*q)),
             Self::Absolute(v) => write!(f, "{v}"),
         }
     }
 }
 
-fn round6(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
+/// The shortest percentage that reads back as this share.
+fn percent(share: f32) -> String {
+    let exact = f64::from(share) * 100.0;
+    (0..=9)
+        .map(|digits| format!("{exact:.digits$}"))
+        .find(|text| {
+            let back = text.parse::<f64>().map(|p| (p / 100.0) as f32);
+            back == Ok(share)
+        })
+        .unwrap_or_else(|| exact.to_string())
 }
 
 /// Settings of the foliage bake.
@@ -264,10 +272,15 @@ impl Settings {
     /// # Errors
     /// Names the first setting that is outside its range, and the range.
     pub fn check(&self) -> Result<()> {
-        for info in table::SETTINGS {
-            self.check_one(info)?;
+        match table::SETTINGS.iter().find(|info| !(info.valid)(self)) {
+            None => Ok(()),
+            Some(info) => Err(Error::usage(format!(
+                "{}: must be {}, not {}",
+                info.name,
+                info.range,
+                (info.get)(self)
+            ))),
         }
-        Ok(())
     }
 
     /// Text of the setting `name`, as [`Settings::set`] takes it.
@@ -284,24 +297,23 @@ impl Settings {
     /// Unknown name, a value that cannot be read, or one outside the range.
     pub fn set(&mut self, name: &str, text: &str) -> Result<()> {
         let info = table::find(name)?;
-        let mut changed = *self;
-        (info.set)(&mut changed, text.trim())
-            .map_err(|e| Error::usage(format!("{}: {e}", info.name)))?;
-        changed.check_one(info)?;
-        *self = changed;
-        Ok(())
+        self.put(info, text)
+            .map_err(|e| Error::usage(format!("{}: {e}", info.name)))
     }
 
-    fn check_one(&self, info: &table::SettingInfo) -> Result<()> {
-        if (info.valid)(self) {
-            return Ok(());
+    /// Sets one row of the table. The caller names the setting as the user wrote it.
+    ///
+    /// # Errors
+    /// What is wrong with the value, without the setting's name.
+    pub fn put(&mut self, info: &table::SettingInfo, text: &str) -> Result<()> {
+        let mut changed = *self;
+        (info.set)(&mut changed, text.trim())?;
+        if !(info.valid)(&changed) {
+            let range = info.range;
+            return Err(Error::usage(format!("must be {range}, not {text}")));
         }
-        Err(Error::usage(format!(
-            "{} = {} is outside {}",
-            info.name,
-            (info.get)(self),
-            info.range
-        )))
+        *self = changed;
+        Ok(())
     }
 
     /// Whether an implicit surface is extracted.
@@ -311,12 +323,6 @@ impl Settings {
             self.normals,
             NormalsMode::Vertex | NormalsMode::Face | NormalsMode::Exact
         )
-    }
-
-    /// Whether the leaf-area grid is computed.
-    #[must_use]
-    pub fn needs_leaf_area(&self) -> bool {
-        self.ambient == AmbientMode::Transmittance || self.normals == NormalsMode::Open
     }
 }
 
@@ -375,5 +381,15 @@ mod tests {
         assert_eq!(s.tau, Threshold::Absolute(0.3), "absolute");
         s.set("tau", "0").unwrap();
         assert_eq!(s.get("tau").unwrap(), "0", "support boundary");
+        assert_eq!(
+            Settings::default().get("d_min").unwrap(),
+            "90%",
+            "as it was written"
+        );
+        for share in [0.1f32, 1.0 / 3.0, 1e-6, 0.999_999_9] {
+            let text = Threshold::Quantile(share).to_string();
+            s.set("tau", &text).unwrap();
+            assert_eq!(s.tau, Threshold::Quantile(share), "{text}");
+        }
     }
 }

@@ -52,18 +52,27 @@ pub fn find(name: &str) -> Result<&'static SettingInfo> {
     })
 }
 
-fn number<T: std::str::FromStr>(text: &str) -> Result<T> {
+fn real<T: std::str::FromStr>(text: &str) -> Result<T> {
     text.parse()
-        .map_err(|_| Error::usage(format!("{text:?} is not a number of this kind")))
+        .map_err(|_| Error::usage(format!("{text:?} is not a number")))
+}
+
+fn whole(text: &str) -> Result<u32> {
+    text.parse().map_err(|_| {
+        Error::usage(format!(
+            "{text:?} is not a whole number from 0 to {}",
+            u32::MAX
+        ))
+    })
 }
 
 fn threshold(text: &str) -> Result<Threshold> {
     match text.strip_suffix('%') {
         Some(percent) => {
-            let percent: f64 = number(percent.trim())?;
+            let percent: f64 = real(percent.trim())?;
             Ok(Threshold::Quantile((percent / 100.0) as f32))
         }
-        None => Ok(Threshold::Absolute(number(text)?)),
+        None => Ok(Threshold::Absolute(real(text)?)),
     }
 }
 
@@ -107,27 +116,27 @@ pub const SETTINGS: &[SettingInfo] = &[
         "auto, leaf, triangle",
         Primitive::parse,
         |_| true,
-        "what makes one generator: a connected leaf, every triangle, or triangles of few large leaves",
+        "What makes one generator: a connected leaf, every triangle, or triangles of few large leaves",
         "triangle needs no connectivity but counts a card of two triangles twice",
         "changes the meaning, not the error"
     ),
     setting!(
         fraction,
         "share",
-        "(0, 1]",
-        number,
+        "above 0, at most 1",
+        real,
         |v: f32| v > 0.0 && v <= 1.0,
-        "share of the generators that is used",
+        "Share of the generators that is used",
         "time of every field evaluation against the direction of the normals",
         "1"
     ),
     setting!(
         most_generators,
         "generators",
-        "1 .. 2^32-1",
-        number,
+        "1 to 2^32-1",
+        whole,
         |v: u32| v >= 1,
-        "generators at most: beyond, the fraction is lowered to keep them",
+        "Generators at most: beyond, the fraction is lowered to keep them",
         "time, which otherwise grows with the square of the leaves, against the direction of the normals",
         "any number that is not below the number of leaves"
     ),
@@ -137,17 +146,17 @@ pub const SETTINGS: &[SettingInfo] = &[
         "stratified, plain",
         Sampling::parse,
         |_| true,
-        "how a fraction of the generators is chosen",
+        "How a fraction of the generators is chosen",
         "plain is the paper's and noisier at the same count",
         "any, with fraction 1"
     ),
     setting!(
         seed,
-        "",
-        "0 .. 2^32-1",
-        number,
+        "number",
+        "0 to 2^32-1",
+        whole,
         |_| true,
-        "seed of the sampling",
+        "Seed of the sampling",
         "nothing",
         "any, with fraction 1"
     ),
@@ -157,57 +166,57 @@ pub const SETTINGS: &[SettingInfo] = &[
         "euclidean, manhattan, maximum",
         Norm::parse,
         |_| true,
-        "vector norm of the distance in equation 2",
+        "Vector norm of the distance in equation 2",
         "shape of the influence: ball, octahedron, cube",
         "changes the meaning, not the error"
     ),
     setting!(
         rho,
         "diagonals of the foliage box",
-        "> 0",
-        number,
+        "above 0",
+        real,
         positive,
-        "radius of influence for normals and surface",
+        "Radius of influence for normals and surface",
         "detail against abstraction; time grows with its cube",
         "changes the meaning, not the error"
     ),
     setting!(
         rho_ambient,
         "diagonals of the foliage box",
-        "> 0",
-        number,
+        "above 0",
+        real,
         positive,
-        "radius of influence for the ambient coefficient",
+        "Radius of influence for the ambient coefficient",
         "local against global density",
         "changes the meaning, not the error"
     ),
     setting!(
         tau,
         "density, or % of the foliage vertices below it",
-        ">= 0, or 0% .. 100%",
+        "0 or above, or 0% to 100%",
         threshold,
         threshold_valid,
-        "threshold of equation 3: where the implicit surface lies",
+        "Threshold of equation 3: where the implicit surface lies",
         "closeness of the surface to the leaves",
         "changes the meaning, not the error"
     ),
     setting!(
         cells,
         "cells",
-        "3 .. 1024",
-        number,
+        "3 to 1024",
+        whole,
         |v: u32| (3..=1024).contains(&v),
-        "cells of the grids along their longest side",
+        "Cells of the grids along their longest side",
         "time and memory (cube) against angle of the normals and depth of the light",
         "normals = exact, or none of vertex, face, open, transmittance"
     ),
     setting!(
         memory,
         "MiB",
-        "1 .. 65536",
-        number,
+        "1 to 65536",
+        whole,
         |v: u32| (1..=65536).contains(&v),
-        "largest grid that is allocated",
+        "Largest grid that is allocated",
         "nothing: more is an error before any allocation",
         "any"
     ),
@@ -217,17 +226,17 @@ pub const SETTINGS: &[SettingInfo] = &[
         "gradient, faces",
         SurfaceNormals::parse,
         |_| true,
-        "normals at the surface's vertices",
+        "Normals at the surface's vertices",
         "faces costs less and is noisier",
         "gradient"
     ),
     setting!(
         surface_error,
         "cells",
-        "0 .. 16",
-        number,
+        "0 to 16",
+        real,
         |v: f32| (0.0..=16.0).contains(&v),
-        "largest error of the optimised surface mesh; 0 keeps the mesh",
+        "Largest error of the optimised surface mesh; 0 keeps the mesh",
         "size of the surface against its shape",
         "0"
     ),
@@ -237,47 +246,47 @@ pub const SETTINGS: &[SettingInfo] = &[
         "eq4, transmittance, traced, none",
         AmbientMode::parse,
         |_| true,
-        "how the ambient coefficient is computed",
+        "How the ambient coefficient is computed",
         "time against agreement with ray-traced occlusion",
         "traced"
     ),
     setting!(
         k_min,
         "coefficient",
-        "0 .. 1",
-        number,
+        "0 to 1",
+        real,
         |v: f32| (0.0..=1.0).contains(&v),
-        "smallest ambient coefficient of equation 4",
+        "Smallest ambient coefficient of equation 4",
         "contrast",
         "changes the meaning, not the error"
     ),
     setting!(
         exponent,
-        "",
-        "> 0",
-        number,
+        "number",
+        "above 0",
+        real,
         positive,
-        "exponent n of equation 4",
+        "Exponent n of equation 4",
         "how fast the core darkens",
         "changes the meaning, not the error"
     ),
     setting!(
         d_min,
         "density, or % of the foliage vertices below it",
-        ">= 0, or 0% .. 100%",
+        "0 or above, or 0% to 100%",
         threshold,
         threshold_valid,
-        "density from which on the coefficient is k_min",
+        "Density from which on the coefficient is k_min",
         "size of the dark core",
         "changes the meaning, not the error"
     ),
     setting!(
         directions,
         "directions",
-        "1 .. 1024",
-        number,
+        "1 to 1024",
+        whole,
         |v: u32| (1..=1024).contains(&v),
-        "directions of transmittance, traced and open",
+        "Directions of transmittance, traced and open",
         "time against noise",
         "1024"
     ),
@@ -287,17 +296,17 @@ pub const SETTINGS: &[SettingInfo] = &[
         "vertex, face, exact, gradient, multiscale, open, original",
         NormalsMode::parse,
         |_| true,
-        "how the normals of the foliage are realigned",
+        "How the normals of the foliage are realigned",
         "time, roughness and agreement with the open sky",
         "exact for the surface's normals"
     ),
     setting!(
         blend,
         "share",
-        "0 .. 1",
-        number,
+        "0 to 1",
+        real,
         |v: f32| (0.0..=1.0).contains(&v),
-        "share of the realigned normal against the model's own",
+        "Share of the realigned normal against the model's own",
         "calm against sparkle",
         "changes the meaning, not the error"
     ),
@@ -307,7 +316,7 @@ pub const SETTINGS: &[SettingInfo] = &[
         "length, packed16, packed8, none",
         Encoding::parse,
         |_| true,
-        "how normal and coefficient are stored together",
+        "How normal and coefficient are stored together",
         "bytes against angle",
         "none"
     ),
@@ -317,7 +326,7 @@ pub const SETTINGS: &[SettingInfo] = &[
         "unflipped, flipped, duplicate",
         BackFaces::parse,
         |_| true,
-        "realigned normals on the back of double-sided leaves",
+        "Realigned normals on the back of double-sided leaves",
         "duplicate doubles the faces of the exported foliage",
         "changes the meaning, not the error"
     ),

@@ -146,7 +146,7 @@ impl Gpu {
             .iter()
             .map(|&p| candidate(&instance.raw, p))
             .collect();
-        let index = choose(&candidates, options.device.as_deref()).map_err(Error::Unsupported)?;
+        let index = choose(&candidates, options.device.as_deref())?;
         let physical = physicals[index];
         let mut plan = QueuePlan::decide(&candidates[index].families).expect("rated above");
         if options.single_queue {
@@ -154,7 +154,7 @@ impl Gpu {
         }
         let info = describe(&instance.raw, physical, index, plan);
         log::info!(
-            "using device {index}: {} ({} {})",
+            "device {index}: {} ({} {})",
             info.name,
             info.driver,
             info.driver_info
@@ -229,11 +229,6 @@ impl Gpu {
     #[must_use]
     pub fn peak_bytes(&self) -> u64 {
         self.inner.memory.peak()
-    }
-
-    /// Writes the pipeline cache now (it is also written when the device goes).
-    pub fn save_pipeline_cache(&self) {
-        self.inner.pipeline_cache.save(&self.inner.device);
     }
 }
 

@@ -8,6 +8,10 @@ use ash::{ext, vk};
 use super::device::Validation;
 use crate::{Error, Result};
 
+/// What to do where Vulkan is missing.
+pub(super) const INSTALL: &str = "install one: Debian has mesa-vulkan-drivers, and scripts/setup.sh \
+                                  installs it with all else that is needed";
+
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// Messages of severity warning and above, in the order they came.
@@ -29,11 +33,8 @@ pub(super) struct Instance {
 impl Instance {
     pub(super) fn new(validation: Validation) -> Result<Self> {
         // SAFETY: loading the system's Vulkan loader runs its initialisers, nothing else.
-        let entry = unsafe { ash::Entry::load() }.map_err(|e| {
-            Error::Unsupported(format!(
-                "no Vulkan loader: {e}; install libvulkan1 and a driver such as mesa-vulkan-drivers"
-            ))
-        })?;
+        let entry = unsafe { ash::Entry::load() }
+            .map_err(|e| Error::NoDevice(format!("no Vulkan loader ({e}); {INSTALL}")))?;
         let layers = available_layers(&entry)?;
         let use_layer = match validation {
             Validation::Off => false,
@@ -73,8 +74,11 @@ impl Instance {
             info = info.push_next(&mut features);
         }
         // SAFETY: every pointer in `info` outlives the call.
-        let raw = unsafe { entry.create_instance(&info, None) }
-            .map_err(|e| Error::Unsupported(format!("vkCreateInstance: {e}")))?;
+        let raw = unsafe { entry.create_instance(&info, None) }.map_err(|e| {
+            Error::NoDevice(format!(
+                "no Vulkan driver (vkCreateInstance: {e}); {INSTALL}"
+            ))
+        })?;
         let debug = debug_utils.then(|| ext::debug_utils::Instance::new(&entry, &raw));
         let canary = Box::new(Canary::default());
         let messenger = match &debug {
@@ -113,7 +117,7 @@ impl Drop for Instance {
 fn available_layers(entry: &ash::Entry) -> Result<Vec<CString>> {
     // SAFETY: plain query.
     let layers = unsafe { entry.enumerate_instance_layer_properties() }
-        .map_err(|e| Error::Unsupported(format!("vkEnumerateInstanceLayerProperties: {e}")))?;
+        .map_err(|e| Error::NoDevice(format!("vkEnumerateInstanceLayerProperties: {e}")))?;
     Ok(layers
         .iter()
         .filter_map(|l| l.layer_name_as_c_str().ok().map(CStr::to_owned))
@@ -123,7 +127,7 @@ fn available_layers(entry: &ash::Entry) -> Result<Vec<CString>> {
 fn has_debug_utils(entry: &ash::Entry) -> Result<bool> {
     // SAFETY: plain query.
     let all = unsafe { entry.enumerate_instance_extension_properties(None) }
-        .map_err(|e| Error::Unsupported(format!("vkEnumerateInstanceExtensionProperties: {e}")))?;
+        .map_err(|e| Error::NoDevice(format!("vkEnumerateInstanceExtensionProperties: {e}")))?;
     Ok(all
         .iter()
         .any(|e| e.extension_name_as_c_str() == Ok(ext::debug_utils::NAME)))

@@ -53,7 +53,7 @@ impl Work {
         push: &P,
         invocations: [u32; 3],
     ) -> Result<()> {
-        self.begin_compute(label, pipeline, bindings, push, &[])?;
+        self.begin_compute(label, pipeline, bindings, push)?;
         let max = self.recorded.gpu.info().limits.max_groups;
         let [x, y, z] = group_counts(invocations, pipeline.local_size(), max);
         if x > 0 && y > 0 && z > 0 {
@@ -70,45 +70,17 @@ impl Work {
         Ok(())
     }
 
-    /// Runs a kernel with group counts (three words) read from `arguments` at `offset`.
-    ///
-    /// # Errors
-    /// As [`Work::compute`].
-    pub fn compute_indirect<P: Pod>(
-        &mut self,
-        label: &str,
-        pipeline: &ComputePipeline,
-        bindings: &[Binding<'_>],
-        push: &P,
-        (arguments, offset): (&Buffer, u64),
-    ) -> Result<()> {
-        let extra = [(buffer_resource(arguments), Access::IndirectRead)];
-        self.begin_compute(label, pipeline, bindings, push, &extra)?;
-        // SAFETY: as above; the arguments were made visible by the barrier.
-        unsafe {
-            self.recorded.gpu.inner.device.cmd_dispatch_indirect(
-                self.cmd,
-                arguments.inner.raw,
-                offset,
-            );
-        };
-        self.end_pass();
-        Ok(())
-    }
-
     fn begin_compute<P: Pod>(
         &mut self,
         label: &str,
         pipeline: &ComputePipeline,
         bindings: &[Binding<'_>],
         push: &P,
-        extra: &[(Resource, Access)],
     ) -> Result<()> {
-        let mut accesses: Vec<_> = bindings
+        let accesses: Vec<_> = bindings
             .iter()
             .map(|b| (b.resource(), b.compute_access()))
             .collect();
-        accesses.extend_from_slice(extra);
         let inner = &pipeline.inner;
         let gpu = self.recorded.gpu.clone();
         let set = match inner.sets.is_empty() {

@@ -2,7 +2,9 @@
 
 use ash::vk;
 
+use super::instance::INSTALL;
 use super::queues::{Family, QueuePlan};
+use crate::{Error, Result};
 
 /// What the choice needs to know of a device.
 #[derive(Debug, Clone)]
@@ -60,12 +62,17 @@ impl Candidate {
     }
 }
 
-/// Index of the device to use, or a message that lists all devices and why not.
+/// Index of the device to use.
 ///
 /// `wanted` is an index or a part of the name (any case). Rejections are logged.
-pub(super) fn choose(candidates: &[Candidate], wanted: Option<&str>) -> Result<usize, String> {
+///
+/// # Errors
+/// Lists all devices and why not: a wrong `--device` is the user's to mend, a machine without a
+/// usable device is not.
+pub(super) fn choose(candidates: &[Candidate], wanted: Option<&str>) -> Result<usize> {
     let mut best: Option<(u32, usize)> = None;
     let mut reasons = Vec::new();
+    let mut named = false;
     for (index, candidate) in candidates.iter().enumerate() {
         if let Some(wanted) = wanted {
             let by_index = wanted.parse() == Ok(index);
@@ -79,6 +86,7 @@ pub(super) fn choose(candidates: &[Candidate], wanted: Option<&str>) -> Result<u
                 continue;
             }
         }
+        named = true;
         match candidate.rate() {
             Ok(rating) if best.is_none_or(|(r, _)| rating > r) => best = Some((rating, index)),
             Ok(_) => reasons.push(format!(
@@ -94,12 +102,17 @@ pub(super) fn choose(candidates: &[Candidate], wanted: Option<&str>) -> Result<u
     match best {
         Some((_, index)) => Ok(index),
         None if candidates.is_empty() => {
-            Err("no Vulkan device; install a driver (Debian: mesa-vulkan-drivers)".into())
+            Err(Error::NoDevice(format!("no Vulkan device; {INSTALL}")))
         }
-        None => Err(format!(
-            "no usable Vulkan device:\n  {}",
-            reasons.join("\n  ")
-        )),
+        None => {
+            let reasons = reasons.join("\n  ");
+            Err(match wanted {
+                Some(wanted) if !named => Error::usage(format!(
+                    "--device {wanted}: no such Vulkan device:\n  {reasons}"
+                )),
+                _ => Error::NoDevice(format!("no usable Vulkan device:\n  {reasons}")),
+            })
+        }
     }
 }
 
@@ -130,9 +143,9 @@ mod tests {
             device("llvmpipe", vk::PhysicalDeviceType::CPU),
             device("Big", vk::PhysicalDeviceType::DISCRETE_GPU),
         ];
-        assert_eq!(choose(&all, None), Ok(1));
-        assert_eq!(choose(&all, Some("LLVM")), Ok(0));
-        assert_eq!(choose(&all, Some("0")), Ok(0));
+        assert_eq!(choose(&all, None).unwrap(), 1);
+        assert_eq!(choose(&all, Some("LLVM")).unwrap(), 0);
+        assert_eq!(choose(&all, Some("0")).unwrap(), 0);
     }
 
     #[test]
@@ -143,7 +156,9 @@ mod tests {
         poor.missing = vec!["synchronization2"];
         let mut small = device("Small", vk::PhysicalDeviceType::CPU);
         small.max_group_invocations = 128;
-        let message = choose(&[old, poor, small], None).expect_err("none fits");
+        let error = choose(&[old, poor, small], None).expect_err("none fits");
+        assert_eq!(error.exit_code(), 3, "not the user's fault");
+        let message = error.to_string();
         for part in [
             "Old: has Vulkan 1.1, needs 1.3",
             "Poor: lacks synchronization2",
@@ -156,7 +171,9 @@ mod tests {
     #[test]
     fn an_unknown_name_lists_what_there_is() {
         let all = [device("llvmpipe", vk::PhysicalDeviceType::CPU)];
-        let message = choose(&all, Some("geforce")).expect_err("not there");
+        let error = choose(&all, Some("geforce")).expect_err("not there");
+        assert_eq!(error.exit_code(), 2, "a name to mend");
+        let message = error.to_string();
         assert!(
             message.contains("0: llvmpipe: not named \"geforce\""),
             "{message}"
@@ -164,6 +181,7 @@ mod tests {
         assert!(
             choose(&[], None)
                 .expect_err("empty")
+                .to_string()
                 .contains("mesa-vulkan-drivers")
         );
     }

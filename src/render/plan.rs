@@ -13,7 +13,7 @@ use super::subject::Subject;
 use super::texture::{self, TextureKey};
 use super::view::View;
 use crate::Result;
-use crate::scene::AlphaMode;
+use crate::scene::{AlphaMode, textures};
 
 /// The whole plan. See the module's description.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -306,7 +306,7 @@ impl Plan {
             }
         }
         for key in keys {
-            let extent = texture::dimensions(subject.model, key.image)?;
+            let extent = textures::dimensions_of(subject.model, key.image)?;
             let (extent, levels) =
                 texture::levels_within(extent, texture::edge_limit(key, settings.texture_size));
             self.images.push(PlannedImage {

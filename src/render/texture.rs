@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::subject::Subject;
-use crate::scene::{AlphaMode, ImageSource, Material, Model};
-use crate::{Error, Result};
+use crate::Result;
+use crate::scene::{AlphaMode, ImageSource, Material, Model, textures};
 
 /// Longest edge of the alpha textures of the shadow pass, texels: a leaf covers few texels of a
 /// shadow map, so finer levels would never be read.
@@ -76,23 +76,6 @@ pub fn used<'a>(
         .filter_map(move |(m, _)| base_color_key(model, m).map(|k| (m, k)))
 }
 
-/// Width and height of an image, from its header.
-///
-/// # Errors
-/// Names the image when it is neither PNG nor JPEG or its header is damaged.
-pub fn dimensions(model: &Model, image: usize) -> Result<[u32; 2]> {
-    match &model.images[image] {
-        ImageSource::Rgba8 { width, height, .. } => Ok([*width, *height]),
-        ImageSource::Encoded { name, bytes } => {
-            let reader = ::image::ImageReader::new(std::io::Cursor::new(bytes))
-                .with_guessed_format()
-                .map_err(|e| Error::file(name, e))?;
-            let (w, h) = reader.into_dimensions().map_err(|e| Error::file(name, e))?;
-            Ok([w, h])
-        }
-    }
-}
-
 /// Extent of the largest level whose longest edge is within `limit`, and the number of levels
 /// from there down to 1x1.
 #[must_use]
@@ -126,26 +109,12 @@ pub struct Decoded {
 /// Decodes one image of the model.
 ///
 /// # Errors
-/// Names the image when it cannot be decoded.
+/// Names the model's file and the image when it cannot be decoded.
 pub fn decode(model: &Model, image: usize) -> Result<Decoded> {
-    match &model.images[image] {
-        ImageSource::Rgba8 {
-            width,
-            height,
-            pixels,
-            ..
-        } => Ok(Decoded {
-            extent: [*width, *height],
-            rgba: pixels.clone(),
-        }),
-        ImageSource::Encoded { name, bytes } => {
-            let image = ::image::load_from_memory(bytes)
-                .map_err(|e| Error::file(name, e))?
-                .into_rgba8();
-            Ok(Decoded {
-                extent: [image.width(), image.height()],
-                rgba: image.into_raw().into(),
-            })
-        }
-    }
+    let extent = textures::dimensions_of(model, image)?;
+    let rgba = match &model.images[image] {
+        ImageSource::Rgba8 { pixels, .. } => pixels.clone(),
+        ImageSource::Encoded { .. } => textures::decode_of(model, image)?.pixels.into(),
+    };
+    Ok(Decoded { extent, rgba })
 }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::DAffine3;
 
-use super::model::{Material, Model, TextureRef};
+use super::model::{ImageSource, Material, Model, TextureRef};
 
 /// A merged model and which of its instances came from which plant.
 #[derive(Debug, Clone, Default)]
@@ -38,7 +38,8 @@ fn append(into: &mut Model, plant: &Model, to_scene: &DAffine3) {
         into.textures.len(),
         into.images.len(),
     ];
-    into.images.extend_from_slice(&plant.images);
+    let images_of_plant = plant.images.iter().map(|image| of_plant(image, plant));
+    into.images.extend(images_of_plant);
     for texture in &plant.textures {
         let mut texture = *texture;
         texture.image += images;
@@ -76,6 +77,16 @@ fn append(into: &mut Model, plant: &Model, to_scene: &DAffine3) {
     for warning in &plant.warnings {
         into.warnings.push(format!("{}: {warning}", plant.name));
     }
+}
+
+/// The image, named with the file of its plant: the merged model has none.
+fn of_plant(image: &ImageSource, plant: &Model) -> ImageSource {
+    let mut image = image.clone();
+    if let Some(path) = &plant.path {
+        let (ImageSource::Encoded { name, .. } | ImageSource::Rgba8 { name, .. }) = &mut image;
+        *name = format!("{} of {}", name, path.display());
+    }
+    image
 }
 
 fn shift_textures(material: &mut Material, by: usize) {
@@ -124,7 +135,7 @@ mod tests {
             }],
             materials: vec![material],
             textures: vec![Texture::default()],
-            images: vec![crate::scene::ImageSource::Rgba8 {
+            images: vec![ImageSource::Rgba8 {
                 name: "image".into(),
                 width: 1,
                 height: 1,

@@ -1,6 +1,8 @@
 //! Scene files: plants with their places, and settings of the picture and the foliage, as TOML.
 //!
 //! ```toml
+//! foliage_pattern = "leaf|crown" # as --foliage says it
+//!
 //! [picture]                    # any picture setting that `umbrage settings` lists
 //! camera = "25,7"
 //! sun = "-30,48"
@@ -10,11 +12,14 @@
 //!
 //! [[plants]]
 //! model = "oak.glb"            # beside the scene file
+//! name = "old-oak"             # of the baked file
+//! textures = { Bark = "bark.jpg" }
 //! at = [0.0, 0.0, 0.0]         # metres
 //!
 //! [[plants]]
 //! grow = "shrub"               # a species of `umbrage grow`
 //! seed = 7
+//! leaves = 2000
 //! at = [3.0, 0.0, 1.0]
 //! yaw = 40.0                   # degrees about +y
 //! scale = 1.5
@@ -32,6 +37,9 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
+    /// The file itself, for messages.
+    #[serde(skip)]
+    pub path: PathBuf,
     /// Which materials and nodes are foliage, as `--foliage` says it.
     pub foliage_pattern: Option<String>,
     /// Settings of the picture by name.
@@ -123,6 +131,14 @@ impl SceneFile {
         Self::parse(&text, path)
     }
 
+    /// The scene itself and the files that it names.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        std::iter::once(&*self.path).chain(self.plants.iter().flat_map(|plant| {
+            let files = plant.model.iter().chain(plant.textures.values());
+            files.map(|file| &**file)
+        }))
+    }
+
     /// Parses the text of `path`; relative paths become relative to its folder.
     ///
     /// # Errors
@@ -134,6 +150,7 @@ impl SceneFile {
                 .map_or(1, |s| 1 + text[..s.start].matches('\n').count());
             Error::file(path, format!("line {line}: {}", e.message()))
         })?;
+        path.clone_into(&mut scene.path);
         if scene.plants.is_empty() {
             return Err(Error::file(path, "plants: there is none"));
         }

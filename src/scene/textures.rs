@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use image::{ExtendedColorType, ImageDecoder, ImageEncoder, ImageReader, Limits};
 
-use super::model::ImageSource;
+use super::model::{ImageSource, Model};
 use crate::{Error, Result};
 
 /// Longest side of an image in pixels.
@@ -27,6 +27,43 @@ impl std::fmt::Debug for Rgba8 {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Rgba8({}x{})", self.width, self.height)
     }
+}
+
+/// Width and height of the image `index` of `model`, from its header.
+///
+/// # Errors
+/// As [`decode_of`].
+pub fn dimensions_of(model: &Model, index: usize) -> Result<[u32; 2]> {
+    match &model.images[index] {
+        ImageSource::Rgba8 { width, height, .. } => Ok([*width, *height]),
+        ImageSource::Encoded { name, bytes } => decoder(bytes)
+            .map(|decoder| decoder.dimensions().into())
+            .map_err(|reason| damaged(model, index, name, &reason)),
+    }
+}
+
+/// Decodes the image `index` of `model` as [`decode`] does.
+///
+/// # Errors
+/// As [`decode`], with the model's file, the image's index and its name.
+pub fn decode_of(model: &Model, index: usize) -> Result<Rgba8> {
+    match &model.images[index] {
+        ImageSource::Encoded { name, bytes } => {
+            decode_bytes(bytes).map_err(|reason| damaged(model, index, name, &reason))
+        }
+        made @ ImageSource::Rgba8 { .. } => decode(made),
+    }
+}
+
+fn damaged(model: &Model, index: usize, name: &str, reason: &str) -> Error {
+    let unnamed = format!("image {index}");
+    let image = if name == unnamed {
+        unnamed
+    } else {
+        format!("{unnamed} ({name})")
+    };
+    let file = model.path.clone().unwrap_or_else(|| (&model.name).into());
+    Error::file(file, format!("{image}: {reason}"))
 }
 
 /// Decodes an image; 16-bit channels become 8-bit, grey becomes RGB, alpha is 255 where absent.
@@ -76,6 +113,18 @@ pub fn media_type(bytes: &[u8]) -> Option<&'static str> {
 }
 
 fn decode_bytes(bytes: &[u8]) -> Result<Rgba8, String> {
+    let decoder = decoder(bytes)?;
+    let (width, height) = decoder.dimensions();
+    let image = image::DynamicImage::from_decoder(decoder).map_err(undecodable)?;
+    Ok(Rgba8 {
+        width,
+        height,
+        pixels: image.into_rgba8().into_raw(),
+    })
+}
+
+/// A decoder that has read the header and found pixels.
+fn decoder(bytes: &[u8]) -> Result<impl ImageDecoder + '_, String> {
     let format = match media_type(bytes) {
         Some("image/png") => image::ImageFormat::Png,
         Some(_) => image::ImageFormat::Jpeg,
@@ -87,18 +136,16 @@ fn decode_bytes(bytes: &[u8]) -> Result<Rgba8, String> {
     limits.max_image_height = Some(MAX_SIDE);
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
-    let damaged = |e: image::ImageError| format!("the image cannot be decoded: {e}");
-    let decoder = reader.into_decoder().map_err(damaged)?;
-    let (width, height) = decoder.dimensions();
-    if width == 0 || height == 0 {
-        return Err("the image has no pixels".into());
+    let decoder = reader.into_decoder().map_err(undecodable)?;
+    match decoder.dimensions() {
+        (0, _) | (_, 0) => Err("the image has no pixels".into()),
+        _ => Ok(decoder),
     }
-    let image = image::DynamicImage::from_decoder(decoder).map_err(damaged)?;
-    Ok(Rgba8 {
-        width,
-        height,
-        pixels: image.into_rgba8().into_raw(),
-    })
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "the form that map_err takes")]
+fn undecodable(error: image::ImageError) -> String {
+    format!("the image cannot be decoded: {error}")
 }
 
 /// Encodes RGBA8 rows from the top as PNG. The same input always gives the same bytes.
@@ -143,6 +190,28 @@ mod tests {
             assert!(e.starts_with("leaf.png: "), "{e}");
         }
         assert!(encode_png(2, 2, &pixels).is_err() && encode_png(0, 0, &[]).is_err());
+    }
+
+    #[test]
+    fn damage_is_told_by_file_image_and_name() {
+        let mut model = Model {
+            name: "oak".into(),
+            images: vec![source(vec![1, 2, 3])],
+            ..Model::default()
+        };
+        let told = |model: &Model| {
+            let header = dimensions_of(model, 0).unwrap_err().to_string();
+            assert_eq!(decode_of(model, 0).unwrap_err().to_string(), header, "both");
+            header
+        };
+        let reason = "the image is neither PNG nor JPEG";
+        assert_eq!(told(&model), format!("oak: image 0 (leaf.png): {reason}"));
+        model.path = Some("a/oak.glb".into());
+        model.images[0] = ImageSource::Encoded {
+            name: "image 0".into(),
+            bytes: Arc::from([]),
+        };
+        assert_eq!(told(&model), format!("a/oak.glb: image 0: {reason}"));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::place::{Place, stdout};
+use crate::place::{Place, stderr, stdout};
 use crate::small_model::{SmallModel, small_tree};
 
 /// Every command of the program.
@@ -64,10 +64,12 @@ fn settings_outside_their_range_are_refused_before_any_work() {
     let place = Place::new();
     let tree = place.write("tree.glb", small_tree().glb());
     for (option, value, words) in [
-        ("--rho", "0", ["rho", "> 0"]),
-        ("--rho", "-0.1", ["rho", "> 0"]),
-        ("--rho-ambient", "nan", ["rho_ambient", "> 0"]),
-        ("--tau", "-1", ["tau", ">= 0"]),
+        ("--rho", "0", ["--rho: ", "must be above 0, not 0"]),
+        ("--rho", "-0.1", ["--rho: ", "must be above 0"]),
+        ("--rho-ambient", "nan", ["--rho-ambient: ", "above 0"]),
+        ("--k-min", "dark", ["--k-min: ", "is not a number"]),
+        ("--cells", "1e3", ["--cells: ", "is not a whole number"]),
+        ("--tau", "-1", ["tau", "0 or above"]),
         ("--cells", "0", ["cells", "3"]),
         ("--cells", "5000", ["cells", "1024"]),
         ("--normals", "sideways", ["normals", "gradient"]),
@@ -177,14 +179,15 @@ fn unwritable_outputs_are_told_before_the_work() {
     let tree = place.write("tree.glb", small_tree().glb());
     place.write("folder/file", "");
     for command in ["bake", "render"] {
-        for output in ["none/out.glb", "folder", "folder/file/out.glb"] {
+        let ending = if command == "bake" { "glb" } else { "png" };
+        for output in ["none/out", "folder/file/out"] {
+            let output = &format!("{output}.{ending}");
             place.assert_refused(&[command, &tree, "-o", output], &[output, "output"]);
         }
+        place.assert_refused(&[command, &tree, "-o", "folder"], &["folder", "output"]);
         // Told before the model is even looked for.
-        place.assert_refused(
-            &[command, "none.glb", "-o", "none/out.glb"],
-            &["none/out.glb"],
-        );
+        let output = &format!("none/out.{ending}");
+        place.assert_refused(&[command, "none.glb", "-o", output], &[output]);
     }
     place.assert_refused(&["grow", "shrub", "-o", "none/out.glb"], &["none/out.glb"]);
     // A scene goes into a folder, and a file stands in its way.
@@ -224,4 +227,68 @@ fn info_tells_facts_and_plan() {
         "no shadow map without shadows"
     );
     assert!(bytes(&["--samples", "1"]) < whole, "less with one sample");
+}
+
+#[test]
+fn outputs_are_what_their_names_say_and_no_input() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    let scene = place.write("scene.toml", "[[plants]]\nmodel = 'tree.glb'");
+    for (arguments, words) in [
+        (["bake", &tree, "-o", "x.gltf"], ["x.gltf", ".glb"]),
+        (["bake", &tree, "-o", "x.obj"], ["x.obj", ".glb"]),
+        (["bake", &scene, "-o", "x.glb"], ["x.glb", "folder"]),
+        (["surface", &tree, "-o", "x.obj"], ["x.obj", ".glb"]),
+        (["grow", "shrub", "-o", "x.png"], ["x.png", ".glb"]),
+        (["render", &tree, "-o", "x.bmp"], ["x.bmp", ".png or .jpg"]),
+        (["bake", &tree, "-o", "./tree.glb"], ["tree.glb", "input"]),
+        (["bake", &scene, "-o", "."], ["tree.glb", "input"]),
+    ] {
+        place.assert_refused(&arguments, &words);
+    }
+}
+
+#[test]
+fn damaged_images_are_named_with_their_model() {
+    let place = Place::new();
+    place.write("leaf.png", "no image");
+    let tree = small_tree().with(|m| {
+        m.json["images"] = json!([{ "uri": "leaf.png" }]);
+        m.json["textures"] = json!([{ "source": 0 }]);
+        m.json["materials"][0]["pbrMetallicRoughness"] =
+            json!({ "baseColorTexture": { "index": 0 } });
+    });
+    let tree = place.write("tree.glb", tree.glb());
+    place.assert_refused(
+        &["render", &tree, "-o", "out.png", "--view", "standard"],
+        &["tree.glb: image 0 (leaf.png): ", "neither PNG nor JPEG"],
+    );
+    let scene = place.write("scene.toml", "[[plants]]\nmodel = 'tree.glb'");
+    place.assert_refused(
+        &["render", &scene, "-o", "out.png", "--view", "standard"],
+        &["leaf.png of ", "tree.glb"],
+    );
+}
+
+#[test]
+fn devices_are_checked_before_models_and_missing_drivers_are_told() {
+    let place = Place::new();
+    place.assert_refused(
+        &["--device", "sundial", "bake", "none.glb", "-o", "out.glb"],
+        &["--device sundial", "no such Vulkan device"],
+    );
+    let output = place.umbrage_without_driver(&["bake", "grow:shrub:1:50", "-o", "out.glb"]);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(3), "{text}");
+    assert!(text.contains("mesa-vulkan-drivers"), "{text}");
+    assert!(!place.path("out.glb").exists(), "nothing is written");
+}
+
+#[test]
+fn grown_plants_are_named_as_they_were_asked_for() {
+    let place = Place::new();
+    place.assert_refused(
+        &["bake", "grow:lime:1:0", "-o", "out.glb"],
+        &["grow:lime:1:0: no foliage"],
+    );
 }

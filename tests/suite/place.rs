@@ -35,6 +35,18 @@ impl Place {
             .expect("the program starts")
     }
 
+    /// Runs the program where the loader finds no driver.
+    pub(crate) fn umbrage_without_driver(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_umbrage"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .env("XDG_CACHE_HOME", self.path("cache"))
+            .env("VK_DRIVER_FILES", "/nonexistent.json")
+            .env("VK_ICD_FILENAMES", "/nonexistent.json")
+            .output()
+            .expect("the program starts")
+    }
+
     /// Runs the program, which succeeds, and gives its JSON.
     pub(crate) fn json(&self, arguments: &[&str]) -> Value {
         let output = self.umbrage(&[arguments, &["--json"]].concat());

@@ -53,15 +53,24 @@ impl SettingTable for ExportTable {
     }
 }
 
+/// Whether some command takes this setting.
+#[must_use]
+pub fn is_taken(setting: &foliage::SettingInfo) -> bool {
+    !NOWHERE.contains(&setting.name)
+}
+
 fn foliage_rows(wanted: impl Fn(&str) -> bool) -> Vec<Row> {
     let row = |s: &foliage::SettingInfo| Row {
         name: s.name.replace('_', "-"),
-        value: if s.unit.is_empty() { "VALUE" } else { "NUMBER" }.to_owned(),
-        help: format!("{}: {}", s.help, s.range),
+        value: if s.unit.is_empty() { "NAME" } else { "NUMBER" }.to_owned(),
+        help: match s.unit {
+            "" | "number" => format!("{}: {}", s.help, s.range),
+            unit => format!("{}: {} ({unit})", s.help, s.range),
+        },
         default: s.default(),
     };
     let rows = foliage::SETTINGS.iter();
-    rows.filter(|s| !NOWHERE.contains(&s.name) && wanted(s.name))
+    rows.filter(|s| is_taken(s) && wanted(s.name))
         .map(row)
         .collect()
 }

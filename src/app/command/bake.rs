@@ -5,14 +5,17 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use crate::app::cli::commands::{BakeArgs, ColorChannel};
-use crate::app::output::PendingFile;
+use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::prepared::Prepared;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::foliage::{self, bake::Bake};
 use crate::scene::export::{self, BackFaces, BakedPart, Channel, ExportOptions};
-use crate::scene::{Geometry, Model};
+use crate::scene::{Geometry, Model, SceneFile};
 use crate::{Error, Result};
+
+/// Endings of files that hold one model.
+const MODELS: &[&str] = &["glb", "gltf", "obj"];
 
 /// Bakes a model into a file, or the plants of a scene into a folder.
 ///
@@ -22,7 +25,15 @@ pub fn run(context: &Context, args: &BakeArgs) -> Result<Report> {
     let mut timings = Timings::default();
     // An unwritable file is told before the work; a scene's files are known after reading it.
     let one_file = if args.input.input.is_model() {
+        check_ending(&args.output, &["glb"])?;
+        check_apart(
+            &args.output,
+            args.input.input.files(&args.input.model.textures),
+        )?;
         Some(PendingFile::create(&args.output)?)
+    } else if !args.output.is_dir() && check_ending(&args.output, MODELS).is_ok() {
+        let reason = "output: is named like one model, and a scene is baked into a folder";
+        return Err(Error::file(&args.output, reason));
     } else if args.output.exists() && !args.output.is_dir() {
         let reason = "output: is a file, and a scene is baked into a folder";
         return Err(Error::file(&args.output, reason));
@@ -62,15 +73,21 @@ fn files_of_plants(prepared: &Prepared, folder: &Path) -> Result<Vec<PendingFile
             format!("output: a scene is baked into a folder: {e}"),
         )
     })?;
+    let scene = prepared.input.scene.iter();
+    let inputs: Vec<&Path> = scene.flat_map(SceneFile::files).collect();
     let plants = prepared.input.plants.iter();
     plants
-        .map(|plant| PendingFile::create(&folder.join(format!("{}.glb", plant.name))))
+        .map(|plant| {
+            let path = folder.join(format!("{}.glb", plant.name));
+            check_apart(&path, inputs.iter().copied())?;
+            PendingFile::create(&path)
+        })
         .collect()
 }
 
 fn export_options(args: &BakeArgs, settings: &foliage::Settings) -> ExportOptions {
     ExportOptions {
-        ambient_attribute: true,
+        ambient_attribute: settings.ambient != foliage::AmbientMode::None,
         color_channel: args.ambient_channel.map(|channel| match channel {
             ColorChannel::R => Channel::R,
             ColorChannel::G => Channel::G,

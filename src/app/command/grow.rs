@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use crate::app::cli::GrowArgs;
-use crate::app::output::PendingFile;
+use crate::app::output::{PendingFile, check_ending};
 use crate::app::report::Table;
 use crate::app::{Context, Report, console};
 use crate::scene::Geometry;
@@ -28,6 +28,7 @@ pub fn run(_context: &Context, args: &GrowArgs) -> Result<Report> {
         leaves: args.leaves,
         detail: args.detail,
     };
+    check_ending(path, &["glb"])?;
     let output = PendingFile::create(path)?;
     let working = console::working(format!("growing {}", species.name()));
     let model = grow::grow(species, &options)?;

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::Result;
 use crate::app::cli::RenderArgs;
 use crate::app::input::Source;
-use crate::app::output::PendingFile;
+use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::prepared::Prepared;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
@@ -21,6 +21,10 @@ use crate::render::{self, Baked, FieldGrid, Picture, Plan, Renderer, Subject, Su
 /// Wrong input or settings, an unwritable output, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     picture_settings(None, &args.picture)?;
+    check_ending(&args.output, &["png", "jpg", "jpeg"])?;
+    for source in &args.inputs {
+        check_apart(&args.output, source.files(&args.model.textures))?;
+    }
     let output = PendingFile::create(&args.output)?;
     let views: &[View] = if args.compare.is_empty() {
         std::slice::from_ref(&args.view)

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use crate::app::cli::SettingsArgs;
+use crate::app::cli::{SettingsArgs, tables};
 use crate::app::{Context, Report};
 use crate::{Error, Result, foliage, render};
 
@@ -51,7 +51,8 @@ impl Row {
 
 fn all() -> Vec<Row> {
     let picture = render::RenderSettings::default();
-    let of_foliage = foliage::SETTINGS.iter().map(|s| Row {
+    let taken = foliage::SETTINGS.iter().filter(|s| tables::is_taken(s));
+    let of_foliage = taken.map(|s| Row {
         table: "foliage",
         name: s.name.replace('_', "-"),
         default: s.default(),

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::Result;
 use crate::app::cli::SurfaceArgs;
-use crate::app::output::PendingFile;
+use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::prepared::Prepared;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
@@ -16,9 +16,11 @@ use crate::scene::export::{self, SurfaceMesh};
 /// # Errors
 /// Wrong input or settings, an empty surface, an unwritable output, a failing device.
 pub fn run(context: &Context, args: &SurfaceArgs) -> Result<Report> {
+    let model = &args.input.model;
+    check_ending(&args.output, &["glb"])?;
+    check_apart(&args.output, args.input.input.files(&model.textures))?;
     let output = PendingFile::create(&args.output)?;
     let mut timings = Timings::default();
-    let model = &args.input.model;
     let prepared = Prepared::new(
         &args.input.input,
         &model.textures,
