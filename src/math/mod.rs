@@ -6,4 +6,6 @@ pub mod kd_tree;
 pub mod marching_cubes_table;
 pub mod packing;
 pub mod sampling;
+pub mod slab;
+pub mod special;
 pub mod stats;

@@ -23,6 +23,7 @@ mod foliage_traced;
 mod golden;
 mod gpu;
 mod grow;
+mod leaf_slab;
 mod model_fixture;
 mod models;
 mod models_damage;
