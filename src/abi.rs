@@ -65,22 +65,37 @@ macro_rules! abi {
 mod foliage;
 #[path = "abi/gpu.rs"]
 mod gpu;
+#[path = "abi/leaf.rs"]
+mod leaf;
 #[path = "abi/render.rs"]
 mod render;
 
 pub use foliage::*;
 pub use gpu::*;
+pub use leaf::*;
 pub use render::*;
 
 /// The GLSL text of every shared constant and struct.
 #[must_use]
 pub fn glsl() -> String {
-    let parts = [gpu::glsl(), foliage::glsl(), render::glsl()].concat();
+    let parts = [
+        gpu::glsl(),
+        foliage::glsl(),
+        leaf::glsl(),
+        render::glsl(),
+    ]
+    .concat();
     format!("#ifndef ABI_GLSL\n#define ABI_GLSL\n{parts}#endif\n")
 }
 
 /// Host layouts of every shared struct.
 #[must_use]
 pub fn layouts() -> Vec<StructLayout> {
-    [gpu::layouts(), foliage::layouts(), render::layouts()].concat()
+    [
+        gpu::layouts(),
+        foliage::layouts(),
+        leaf::layouts(),
+        render::layouts(),
+    ]
+    .concat()
 }

@@ -17,6 +17,7 @@ pub mod app;
 pub mod error;
 pub mod foliage;
 pub mod gpu;
+pub mod leaf;
 pub mod math;
 pub mod reference;
 pub mod render;

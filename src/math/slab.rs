@@ -18,10 +18,10 @@
 use super::special::{e2_e3, gauss_legendre, legendre_p, legendre_q};
 use crate::{Error, Result};
 
-/// Order N of the expansion: 1e-7 relative for `Delta` >= 1, 1e-5 at 0.02.
+/// Order N of the expansion: 1e-7 relative for `Delta` >= 1, 1e-5 at 0.05.
 const N: usize = 16;
 /// Below this optical thickness the orders of scattering are summed.
-pub const THIN: f64 = 0.02;
+pub const THIN: f64 = 0.05;
 /// Absorption `1 - omega` below which the slab counts as conservative.
 const CONSERVATIVE: f64 = 1e-10;
 /// Below this albedo `1 - k` is less than the spacing of f64: no discrete eigenvalue.
@@ -349,7 +349,10 @@ fn beams(incidence: Incidence) -> Vec<(f64, f64)> {
         for panel in 0..9 {
             let low = if panel == 8 { 0.0 } else { 0.35 * high };
             let half: f64 = 0.5 * (high - low);
-            out.extend(rule.iter().map(|(x, w)| (low + half * (x + 1.0), 2.0 * half * w)));
+            out.extend(
+                rule.iter()
+                    .map(|(x, w)| (low + half * (x + 1.0), 2.0 * half * w)),
+            );
             high = low;
         }
         return out;

@@ -139,6 +139,30 @@ pub fn legendre_q<const N: usize>(above: f64) -> [f64; N] {
     q.map(|v| v * scale)
 }
 
+/// The error function: its series below 2.5, a continued fraction of its complement above.
+#[must_use]
+pub fn erf(x: f64) -> f64 {
+    let y = x.abs();
+    let value = if y < 2.5 {
+        // Abramowitz and Stegun 1964, 7.1.6: all terms are positive.
+        let mut term = y;
+        let mut sum = y;
+        for n in 1..TERMS {
+            term *= 2.0 * y * y / (2 * n + 1) as f64;
+            sum += term;
+            if term < 1e-17 * sum {
+                break;
+            }
+        }
+        std::f64::consts::FRAC_2_SQRT_PI * (-y * y).exp() * sum
+    } else {
+        // 7.1.14, from the back.
+        let fraction = (1..60).rev().fold(y, |f, n| y + 0.5 * f64::from(n) / f);
+        1.0 - (-y * y).exp() / (std::f64::consts::PI.sqrt() * fraction)
+    };
+    value.copysign(x)
+}
+
 /// Nodes and weights of Gauss-Legendre quadrature on \[-1, 1\].
 #[must_use]
 pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
@@ -187,6 +211,16 @@ mod tests {
             close(2.0 * e3 + x * e2, (-x).exp(), 1e-12);
         }
         assert_eq!(e2_e3(0.0), (1.0, 0.5));
+    }
+
+    #[test]
+    fn error_function() {
+        close(erf(0.5), 0.520_499_877_8, 1e-9);
+        close(erf(1.0), 0.842_700_792_9, 1e-9);
+        close(erf(2.0), 0.995_322_265_0, 1e-9);
+        close(erf(-3.0), -0.999_977_909_503, 1e-11);
+        assert!((erf(2.5 - 1e-12) - erf(2.5)).abs() < 1e-12, "no step");
+        assert!(erf(0.0) == 0.0 && erf(9.0) == 1.0);
     }
 
     #[test]

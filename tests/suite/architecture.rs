@@ -14,15 +14,17 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("gpu", &["abi", "error"]),
     ("reference", &["math", "scene", "abi", "error"]),
     ("foliage", &["gpu", "scene", "math", "abi", "error"]),
+    ("leaf", &["gpu", "scene", "math", "abi", "error"]),
     (
         "render",
-        &["foliage", "gpu", "scene", "math", "abi", "error"],
+        &["foliage", "leaf", "gpu", "scene", "math", "abi", "error"],
     ),
     (
         "app",
         &[
             "render",
             "foliage",
+            "leaf",
             "reference",
             "gpu",
             "scene",

@@ -1,0 +1,339 @@
+//! The slab by table: `A(omega, Delta)` and `B(omega, Delta)` for light at normal incidence.
+//!
+//! 33 x 33 values of `ln A` and `ln B` over `sqrt(1 - omega)` and `ln Delta`, joined by the
+//! interpolating bicubic spline. The square root is the axis along which a thick slab's
+//! reflectance is smooth near omega = 1. What is kept are the spline's coefficients, so that a
+//! read is 16 fetches and no search; `shaders/include/leaf_slab.glsl` reads the same numbers.
+
+use std::sync::LazyLock;
+
+use rayon::prelude::*;
+
+use crate::abi::{SLAB_COEFFICIENTS, SLAB_LN_THICK, SLAB_LN_THIN, SLAB_NODES};
+use crate::math::slab::{Albedo, Incidence};
+
+const NODES: usize = SLAB_NODES as usize;
+const COEFFICIENTS: usize = SLAB_COEFFICIENTS as usize;
+/// Ends of the axis of thickness, `ln Delta`.
+const THIN: f64 = SLAB_LN_THIN as f64;
+const THICK: f64 = SLAB_LN_THICK as f64;
+/// Nodes per unit of `ln Delta`.
+const PER_LN: f64 = (NODES - 1) as f64 / (THICK - THIN);
+/// Twice the extrapolated end of a conservative slab, for the asymptotic form.
+const TWO_ENDS: f64 = 1.420_892;
+
+/// Reflectance and transmittance of a slab and how they change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// Reflected.
+    pub r: f64,
+    /// Transmitted, scattered or not.
+    pub t: f64,
+}
+
+/// The spline's coefficients.
+#[derive(Debug, Clone)]
+pub struct SlabTable {
+    coefficients: Vec<[f32; 2]>,
+}
+
+static SHARED: LazyLock<SlabTable> = LazyLock::new(SlabTable::build);
+
+impl SlabTable {
+    /// The table, built at its first use.
+    #[must_use]
+    pub fn shared() -> &'static Self {
+        &SHARED
+    }
+
+    /// Solves the 33 x 33 slabs and finds the spline through them.
+    #[must_use]
+    pub fn build() -> Self {
+        let rows: Vec<Vec<[f64; 2]>> = (0..NODES)
+            .into_par_iter()
+            .map(|i| {
+                let s = i as f64 / (NODES - 1) as f64;
+                let slab = Albedo::new(1.0 - s * s).expect("between 0 and 1");
+                let row: Vec<[f64; 2]> = (0..NODES)
+                    .map(|j| {
+                        let light = slab.solve(node_delta(j), Incidence::Beam(1.0));
+                        [light.a.ln(), light.b.ln()]
+                    })
+                    .collect();
+                spline(&row)
+            })
+            .collect();
+        let mut coefficients = vec![[0.0; 2]; COEFFICIENTS * COEFFICIENTS];
+        for j in 0..COEFFICIENTS {
+            let column: Vec<[f64; 2]> = rows.iter().map(|row| row[j]).collect();
+            for (i, c) in spline(&column).into_iter().enumerate() {
+                coefficients[i * COEFFICIENTS + j] = c.map(|v| v as f32);
+            }
+        }
+        Self { coefficients }
+    }
+
+    /// The coefficients as the device reads them: rows of `sqrt(1 - omega)`, thickness fastest.
+    #[must_use]
+    pub fn coefficients(&self) -> &[[f32; 2]] {
+        &self.coefficients
+    }
+
+    /// `(A, B)` of a slab; `omega` is clamped to \[0, 1\], `delta` to what is not negative.
+    #[must_use]
+    pub fn read(&self, omega: f64, delta: f64) -> (f64, f64) {
+        self.at(omega).read(delta)
+    }
+
+    /// Reflectance and transmittance of a slab at normal incidence.
+    #[must_use]
+    pub fn share(&self, omega: f64, delta: f64) -> Share {
+        self.at(omega).share(delta)
+    }
+
+    /// The table of one albedo, for many thicknesses.
+    #[must_use]
+    pub fn at(&self, omega: f64) -> Column {
+        let omega = omega.clamp(0.0, 1.0);
+        let s = (1.0 - omega).sqrt();
+        let (first, weights, slopes) = cubic(s * (NODES - 1) as f64);
+        let mut values = [[0.0; 2]; COEFFICIENTS];
+        let mut by_s = [[0.0; 2]; COEFFICIENTS];
+        for (k, (w, d)) in weights.iter().zip(slopes).enumerate() {
+            let row = &self.coefficients[(first + k) * COEFFICIENTS..][..COEFFICIENTS];
+            for (j, c) in row.iter().enumerate() {
+                for q in 0..2 {
+                    values[j][q] += w * f64::from(c[q]);
+                    by_s[j][q] += d * (NODES - 1) as f64 * f64::from(c[q]);
+                }
+            }
+        }
+        Column {
+            omega,
+            s,
+            values,
+            by_s,
+        }
+    }
+}
+
+/// The optical thickness of a node.
+fn node_delta(j: usize) -> f64 {
+    (THIN + j as f64 / PER_LN).exp()
+}
+
+/// One albedo of the table.
+#[derive(Debug, Clone)]
+pub struct Column {
+    omega: f64,
+    s: f64,
+    values: [[f64; 2]; COEFFICIENTS],
+    by_s: [[f64; 2]; COEFFICIENTS],
+}
+
+impl Column {
+    /// `(A, B)` at a thickness.
+    #[must_use]
+    pub fn read(&self, delta: f64) -> (f64, f64) {
+        let v = delta.ln();
+        if v < THIN {
+            return self.thin(delta.max(0.0));
+        }
+        let [a, b] = self.logs(v.min(THICK)).map(f64::exp);
+        if v <= THICK {
+            (a, b)
+        } else {
+            self.thick(delta, a, b)
+        }
+    }
+
+    /// Reflectance and transmittance at a thickness.
+    #[must_use]
+    pub fn share(&self, delta: f64) -> Share {
+        let (a, b) = self.read(delta);
+        Share {
+            r: 0.5 * self.omega * a,
+            t: (-delta).exp() + 0.5 * self.omega * b,
+        }
+    }
+
+    /// `d ln A` and `d ln B` by `omega` and by `ln Delta`, inside the table; `None` outside.
+    #[must_use]
+    pub(super) fn slopes(&self, ln_delta: f64) -> Option<[[f64; 2]; 2]> {
+        if !(THIN..=THICK).contains(&ln_delta) || self.s < 1e-6 {
+            return None;
+        }
+        let (first, weights, slopes) = cubic((ln_delta - THIN) * PER_LN);
+        let mut out = [[0.0; 2]; 2];
+        for q in 0..2 {
+            for k in 0..4 {
+                // d s / d omega = -1 / (2 s).
+                out[q][0] -= weights[k] * self.by_s[first + k][q] / (2.0 * self.s);
+                out[q][1] += slopes[k] * self.values[first + k][q] * PER_LN;
+            }
+        }
+        Some(out)
+    }
+
+    fn logs(&self, v: f64) -> [f64; 2] {
+        let (first, weights, _) = cubic((v - THIN) * PER_LN);
+        [0, 1].map(|q| (0..4).map(|k| weights[k] * self.values[first + k][q]).sum())
+    }
+
+    /// A = B = Delta in the limit; the first correction, Delta ln Delta, joins it to the table.
+    fn thin(&self, delta: f64) -> (f64, f64) {
+        if delta <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let edge = THIN.exp();
+        let t = delta / edge * (1.0 - delta.ln()) / (1.0 - THIN);
+        let [a, b] = self.logs(THIN).map(|l| delta * ((l - THIN) * t).exp());
+        (a, b)
+    }
+
+    /// Beyond the table: transmittance as `1 / sinh(k (Delta + 2 z0))`, the asymptote of thick slabs
+    /// (van de Hulst 1980, ch. 5), and the reflectance that it leaves over.
+    fn thick(&self, delta: f64, a: f64, b: f64) -> (f64, f64) {
+        let edge = THICK.exp();
+        let k = eigenvalue_of(self.s);
+        let ends = TWO_ENDS / self.omega.max(0.1);
+        let fade = (-k * (delta - edge)).exp();
+        let beyond = b * fade * rest(k, edge + ends) / rest(k, delta + ends);
+        let back = (-k * ends).exp() * (-k * edge).exp();
+        (a + back * (b - beyond * fade), beyond)
+    }
+}
+
+/// `(1 - e^{-2 k x}) / (2 k x) x`, whose limit for k = 0 is x.
+fn rest(k: f64, x: f64) -> f64 {
+    let y = 2.0 * k * x;
+    if y < 1e-3 {
+        x * (1.0 - 0.5 * y)
+    } else {
+        -(-y).exp_m1() / (2.0 * k)
+    }
+}
+
+/// The discrete eigenvalue from `s = sqrt(1 - omega)`, by its series about omega = 1; where that
+/// fails nothing passes the table's thickest slab.
+fn eigenvalue_of(s: f64) -> f64 {
+    let q = s * s;
+    (3f64.sqrt() * s * (1.0 - q * (0.4 + q * (12.0 / 175.0)))).min(1.0)
+}
+
+/// First coefficient, weights and their slopes of the uniform cubic B-spline at `x` in units of
+/// nodes.
+fn cubic(x: f64) -> (usize, [f64; 4], [f64; 4]) {
+    let cell = x.floor().clamp(0.0, (NODES - 2) as f64);
+    let f = x - cell;
+    let g = 1.0 - f;
+    let weights = [
+        g * g * g / 6.0,
+        (3.0 * f * f * f - 6.0 * f * f + 4.0) / 6.0,
+        (3.0 * g * g * g - 6.0 * g * g + 4.0) / 6.0,
+        f * f * f / 6.0,
+    ];
+    let slopes = [
+        -0.5 * g * g,
+        0.5 * (3.0 * f * f - 4.0 * f),
+        0.5 * (4.0 * g - 3.0 * g * g),
+        0.5 * f * f,
+    ];
+    (cell as usize, weights, slopes)
+}
+
+/// Coefficients of the cubic spline through equidistant values; at both ends the outermost two
+/// cells share one cubic ("not a knot").
+fn spline(values: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let n = values.len() + 2;
+    let mut rows = vec![vec![0.0; n]; n];
+    let mut rhs = vec![[0.0; 2]; n];
+    for (i, v) in values.iter().enumerate() {
+        rows[i + 1][i..i + 3].copy_from_slice(&[1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0]);
+        rhs[i + 1] = *v;
+    }
+    const KNOTLESS: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
+    rows[0][..5].copy_from_slice(&KNOTLESS);
+    rows[n - 1][n - 5..].copy_from_slice(&KNOTLESS);
+    for column in 0..n {
+        let pivot = (column..n)
+            .max_by(|&i, &j| rows[i][column].abs().total_cmp(&rows[j][column].abs()))
+            .expect("rows remain");
+        rows.swap(column, pivot);
+        rhs.swap(column, pivot);
+        let (head, head_rhs) = (rows[column].clone(), rhs[column]);
+        for row in column + 1..n {
+            let factor = rows[row][column] / head[column];
+            if factor != 0.0 {
+                (column..n).for_each(|k| rows[row][k] -= factor * head[k]);
+                (0..2).for_each(|q| rhs[row][q] -= factor * head_rhs[q]);
+            }
+        }
+    }
+    for row in (0..n).rev() {
+        for q in 0..2 {
+            let known: f64 = (row + 1..n).map(|k| rows[row][k] * rhs[k][q]).sum();
+            rhs[row][q] = (rhs[row][q] - known) / rows[row][row];
+        }
+    }
+    rhs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::slab::solve;
+
+    #[test]
+    fn the_spline_meets_its_values_and_repeats_cubics() {
+        let cubic_of = |x: f64| [x * x * x - 20.0 * x * x, 3.0 - x];
+        let values: Vec<[f64; 2]> = (0..NODES).map(|i| cubic_of(i as f64)).collect();
+        let c = spline(&values);
+        for x in [0.0, 0.3, 1.7, 15.5, 31.2, 32.0] {
+            let (first, w, d) = cubic(x);
+            for (q, expected) in cubic_of(x).into_iter().enumerate() {
+                let found: f64 = (0..4).map(|k| w[k] * c[first + k][q]).sum();
+                assert!((found - expected).abs() < 1e-8, "{x}: {found} {expected}");
+            }
+            let slope: f64 = (0..4).map(|k| d[k] * c[first + k][0]).sum();
+            assert!(
+                (slope - (3.0 * x * x - 40.0 * x)).abs() < 1e-8,
+                "{x}: {slope}"
+            );
+        }
+    }
+
+    /// Between the nodes, where the spline is at its worst; and outside of the table.
+    #[test]
+    fn the_table_agrees_with_the_solver() {
+        let table = SlabTable::shared();
+        let mut worst = 0.0_f64;
+        for i in 0..64 {
+            let s = (i as f64 + 0.5) / 64.0;
+            let omega = 1.0 - s * s;
+            for j in 0..64 {
+                let delta = (THIN + (j as f64 + 0.5) / 64.0 * (THICK - THIN)).exp();
+                let exact = solve(omega, delta, Incidence::Beam(1.0)).unwrap();
+                let (a, b) = table.read(omega, delta);
+                let error = (0.5 * omega * a - exact.rho_d)
+                    .abs()
+                    .max((0.5 * omega * b - exact.t_diff).abs());
+                worst = worst.max(error);
+            }
+        }
+        assert!(worst < 1e-5, "inside: {worst}");
+        let (mut thin, mut thick) = (0.0_f64, 0.0_f64);
+        for omega in [0.0, 0.3, 0.9, 0.97, 0.99, 0.999, 0.99999, 1.0] {
+            for delta in [1e-6, 1e-4, 1e-3, 5e-3, 9.9e-3, 35.0, 60.0, 100.0, 400.0] {
+                let exact = solve(omega, delta, Incidence::Beam(1.0)).unwrap();
+                let share = table.share(omega, delta);
+                let error = (share.r - exact.rho_d)
+                    .abs()
+                    .max((share.t - exact.t_diff - exact.t_dir).abs());
+                let worst = if delta < 1.0 { &mut thin } else { &mut thick };
+                *worst = worst.max(error);
+            }
+        }
+        assert!(thin < 5e-5 && thick < 5e-5, "thin {thin} thick {thick}");
+    }
+}
