@@ -15,6 +15,10 @@ abi! {
         SLAB_LN_THIN: f32 = -4.6051702;
         /// Natural logarithm of the thickest, 30.
         SLAB_LN_THICK: f32 = 3.4011974;
+        /// Square root of 3: slope of the discrete eigenvalue at omega = 1.
+        SLAB_SQRT_3: f32 = 1.7320508;
+        /// Twice the extrapolated end of a conservative slab, in optical depth.
+        SLAB_TWO_ENDS: f32 = 1.420892;
         /// `LeafTissue::mode`: A and B are constants of the leaf, as in the paper.
         LEAF_PAPER: u32 = 0;
         /// A and B are read from the table for every texel.

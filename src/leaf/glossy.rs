@@ -11,7 +11,7 @@
 //! here, and never stands in a denominator. `shaders/include/leaf_glossy.glsl` is the other half.
 
 use crate::abi::{GLOSSY_MIN_COSINE, GLOSSY_MIN_ROUGHNESS};
-use crate::math::special::{erf, gauss_legendre};
+use crate::math::special::erf;
 
 /// What keeps the lobe's energy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -64,17 +64,18 @@ pub fn smith(cosine: f64, m: f64) -> f64 {
 #[must_use]
 pub fn directional_albedo(cos_i: f64, m: f64, shadowing: Shadowing) -> f64 {
     let sin_i = (1.0 - cos_i * cos_i).max(0.0).sqrt();
-    let rule = gauss_legendre(64);
-    let turns = 256;
+    // The lobe is cut off where reflections go below the surface, so smooth rules gain nothing.
+    let (rings, turns) = (600, 128);
     let mut sum = 0.0;
-    for (x, weight) in &rule {
+    for ring in 0..rings {
         // tan^2 = -m^2 ln(1 - u) has density D cos; u = 1 - e^{-t^2} spreads the far slopes.
-        let t = 2.75 * (x + 1.0);
-        let u_weight = 2.75 * weight * 2.0 * t * (-t * t).exp();
+        let width = 5.0 / f64::from(rings);
+        let t = (f64::from(ring) + 0.5) * width;
+        let weight = width * 2.0 * t * (-t * t).exp();
         let tan = m * t;
         let c = 1.0 / (1.0 + tan * tan).sqrt();
         let s = tan * c;
-        let mut ring = 0.0;
+        let mut around = 0.0;
         for k in 0..turns {
             let turn = (f64::from(k) + 0.5) * std::f64::consts::PI / f64::from(turns);
             let along = s * turn.cos() * sin_i + c * cos_i;
@@ -86,9 +87,9 @@ pub fn directional_albedo(cos_i: f64, m: f64, shadowing: Shadowing) -> f64 {
                 Shadowing::Paper => 1.0,
                 Shadowing::Safe => 1.0 / (1.0 + smith(cos_i, m) + smith(cos_r, m)),
             };
-            ring += g * along / (cos_i * c);
+            around += g * along / (cos_i * c);
         }
-        sum += u_weight * ring / f64::from(turns);
+        sum += weight * around / f64::from(turns);
     }
     sum
 }

@@ -1,15 +1,26 @@
 //! The slab by table: `A(omega, Delta)` and `B(omega, Delta)` for light at normal incidence.
 //!
-//! 33 x 33 values of `ln A` and `ln B` over `sqrt(1 - omega)` and `ln Delta`, joined by the
-//! interpolating bicubic spline. The square root is the axis along which a thick slab's
-//! reflectance is smooth near omega = 1. What is kept are the spline's coefficients, so that a
-//! read is 16 fetches and no search; `shaders/include/leaf_slab.glsl` reads the same numbers.
+//! 33 x 33 values over `s = sqrt(1 - omega)` and `ln Delta`, joined by the interpolating bicubic
+//! spline. What is kept are the spline's coefficients, so that a read is 16 fetches and no search;
+//! `shaders/include/leaf_slab.glsl` reads the same numbers.
+//!
+//! Thick slabs of little absorption change within less than a cell, as `sinh(k (Delta + 2 z0))`
+//! does (k: the discrete eigenvalue, z0 the extrapolated end; van de Hulst 1980, ch. 5). That
+//! known part is taken out before tabulation and put in again after the read:
+//!
+//! ```text
+//! P = A + Q,  Q = B e^{-k x},  x = Delta + 2 z0       table: ln P,  ln (B sinh(k x) / k)
+//! ```
+//!
+//! Both are smooth, and beyond the thickest node both stay what they are there.
 
 use std::sync::LazyLock;
 
 use rayon::prelude::*;
 
-use crate::abi::{SLAB_COEFFICIENTS, SLAB_LN_THICK, SLAB_LN_THIN, SLAB_NODES};
+use crate::abi::{
+    SLAB_COEFFICIENTS, SLAB_LN_THICK, SLAB_LN_THIN, SLAB_NODES, SLAB_SQRT_3, SLAB_TWO_ENDS,
+};
 use crate::math::slab::{Albedo, Incidence};
 
 const NODES: usize = SLAB_NODES as usize;
@@ -19,8 +30,9 @@ const THIN: f64 = SLAB_LN_THIN as f64;
 const THICK: f64 = SLAB_LN_THICK as f64;
 /// Nodes per unit of `ln Delta`.
 const PER_LN: f64 = (NODES - 1) as f64 / (THICK - THIN);
-/// Twice the extrapolated end of a conservative slab, for the asymptotic form.
-const TWO_ENDS: f64 = 1.420_892;
+/// Twice the extrapolated end of a conservative slab.
+const TWO_ENDS: f64 = SLAB_TWO_ENDS as f64;
+const SQRT_3: f64 = SLAB_SQRT_3 as f64;
 
 /// Reflectance and transmittance of a slab and how they change.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +69,9 @@ impl SlabTable {
                 let row: Vec<[f64; 2]> = (0..NODES)
                     .map(|j| {
                         let light = slab.solve(node_delta(j), Incidence::Beam(1.0));
-                        [light.a.ln(), light.b.ln()]
+                        let known = Known::new(s, node_delta(j));
+                        let q = light.b * (-known.kx).exp();
+                        [(light.a + q).ln(), light.b.ln() + known.ln_sinh]
                     })
                     .collect();
                 spline(&row)
@@ -135,15 +149,10 @@ impl Column {
     /// `(A, B)` at a thickness.
     #[must_use]
     pub fn read(&self, delta: f64) -> (f64, f64) {
-        let v = delta.ln();
-        if v < THIN {
-            return self.thin(delta.max(0.0));
-        }
-        let [a, b] = self.logs(v.min(THICK)).map(f64::exp);
-        if v <= THICK {
-            (a, b)
+        if delta < THIN.exp() || delta.is_nan() {
+            self.thin(delta)
         } else {
-            self.thick(delta, a, b)
+            self.inside(delta)
         }
     }
 
@@ -160,65 +169,116 @@ impl Column {
     /// `d ln A` and `d ln B` by `omega` and by `ln Delta`, inside the table; `None` outside.
     #[must_use]
     pub(super) fn slopes(&self, ln_delta: f64) -> Option<[[f64; 2]; 2]> {
-        if !(THIN..=THICK).contains(&ln_delta) || self.s < 1e-6 {
+        if !(THIN..=THICK).contains(&ln_delta) || self.s < 1e-4 {
             return None;
         }
         let (first, weights, slopes) = cubic((ln_delta - THIN) * PER_LN);
-        let mut out = [[0.0; 2]; 2];
+        let [mut value, mut by_s, mut by_v] = [[0.0; 2]; 3];
         for q in 0..2 {
             for k in 0..4 {
-                // d s / d omega = -1 / (2 s).
-                out[q][0] -= weights[k] * self.by_s[first + k][q] / (2.0 * self.s);
-                out[q][1] += slopes[k] * self.values[first + k][q] * PER_LN;
+                value[q] += weights[k] * self.values[first + k][q];
+                by_s[q] += weights[k] * self.by_s[first + k][q];
+                by_v[q] += slopes[k] * self.values[first + k][q] * PER_LN;
             }
         }
-        Some(out)
+        let delta = ln_delta.exp();
+        let known = Known::new(self.s, delta);
+        let ln_b = value[1] - known.ln_sinh;
+        let (p, q) = (value[0].exp(), (ln_b - known.kx).exp());
+        // d s / d omega = -1 / (2 s).
+        let to_omega = -0.5 / self.s;
+        let x = delta + TWO_ENDS;
+        let lb = [
+            to_omega * (by_s[1] - known.by_k() * slope_of_eigenvalue(self.s)),
+            by_v[1] - delta * known.k_coth,
+        ];
+        let lq = [
+            lb[0] - to_omega * x * slope_of_eigenvalue(self.s),
+            lb[1] - delta * known.k,
+        ];
+        let la = |slope: f64, lq: f64| (p * slope - q * lq) / (p - q);
+        Some([[la(to_omega * by_s[0], lq[0]), la(by_v[0], lq[1])], lb])
     }
 
-    fn logs(&self, v: f64) -> [f64; 2] {
-        let (first, weights, _) = cubic((v - THIN) * PER_LN);
-        [0, 1].map(|q| (0..4).map(|k| weights[k] * self.values[first + k][q]).sum())
+    /// `(A, B)` in the table and beyond its thick end.
+    fn inside(&self, delta: f64) -> (f64, f64) {
+        let (first, weights, _) = cubic((delta.ln().min(THICK) - THIN) * PER_LN);
+        let [ln_p, ln_b] = [0, 1].map(|q| {
+            (0..4)
+                .map(|k| weights[k] * self.values[first + k][q])
+                .sum::<f64>()
+        });
+        let known = Known::new(self.s, delta);
+        let b = (ln_b - known.ln_sinh).exp();
+        (ln_p.exp() - b * (-known.kx).exp(), b)
     }
 
     /// A = B = Delta in the limit; the first correction, Delta ln Delta, joins it to the table.
     fn thin(&self, delta: f64) -> (f64, f64) {
-        if delta <= 0.0 {
+        if delta <= 0.0 || delta.is_nan() {
             return (0.0, 0.0);
         }
         let edge = THIN.exp();
         let t = delta / edge * (1.0 - delta.ln()) / (1.0 - THIN);
-        let [a, b] = self.logs(THIN).map(|l| delta * ((l - THIN) * t).exp());
-        (a, b)
-    }
-
-    /// Beyond the table: transmittance as `1 / sinh(k (Delta + 2 z0))`, the asymptote of thick slabs
-    /// (van de Hulst 1980, ch. 5), and the reflectance that it leaves over.
-    fn thick(&self, delta: f64, a: f64, b: f64) -> (f64, f64) {
-        let edge = THICK.exp();
-        let k = eigenvalue_of(self.s);
-        let ends = TWO_ENDS / self.omega.max(0.1);
-        let fade = (-k * (delta - edge)).exp();
-        let beyond = b * fade * rest(k, edge + ends) / rest(k, delta + ends);
-        let back = (-k * ends).exp() * (-k * edge).exp();
-        (a + back * (b - beyond * fade), beyond)
+        let (a, b) = self.inside(edge);
+        let toward = |at_edge: f64| delta * ((at_edge / edge).ln() * t).exp();
+        (toward(a), toward(b))
     }
 }
 
-/// `(1 - e^{-2 k x}) / (2 k x) x`, whose limit for k = 0 is x.
-fn rest(k: f64, x: f64) -> f64 {
-    let y = 2.0 * k * x;
-    if y < 1e-3 {
-        x * (1.0 - 0.5 * y)
-    } else {
-        -(-y).exp_m1() / (2.0 * k)
+/// The part of a slab's light that is known in closed form.
+struct Known {
+    k: f64,
+    x: f64,
+    /// `k x`.
+    kx: f64,
+    /// `ln (sinh(k x) / k)`.
+    ln_sinh: f64,
+    /// `k coth(k x)`.
+    k_coth: f64,
+}
+
+impl Known {
+    fn new(s: f64, delta: f64) -> Self {
+        let k = eigenvalue_of(s);
+        let x = delta + TWO_ENDS;
+        let kx = k * x;
+        let e = (-2.0 * kx).exp();
+        // (1 - e^{-2 k x}) / (2 k), whose limit for k = 0 is x.
+        let rest = if kx < 5e-4 {
+            x * (1.0 - kx)
+        } else {
+            (1.0 - e) / (2.0 * k)
+        };
+        Self {
+            k,
+            x,
+            kx,
+            ln_sinh: kx + rest.ln(),
+            k_coth: 0.5 * (1.0 + e) / rest,
+        }
+    }
+
+    /// Slope of `ln_sinh` by k.
+    fn by_k(&self) -> f64 {
+        if self.kx < 1e-3 {
+            self.kx * self.x / 3.0
+        } else {
+            (self.x * self.k_coth - 1.0) / self.k
+        }
     }
 }
 
-/// The discrete eigenvalue from `s = sqrt(1 - omega)`, by its series about omega = 1; where that
-/// fails nothing passes the table's thickest slab.
+/// The discrete eigenvalue from `s = sqrt(1 - omega)`, by its series about omega = 1. Elsewhere it
+/// only has to be smooth.
 fn eigenvalue_of(s: f64) -> f64 {
     let q = s * s;
-    (3f64.sqrt() * s * (1.0 - q * (0.4 + q * (12.0 / 175.0)))).min(1.0)
+    SQRT_3 * s * (1.0 - q * (0.4 + q * (12.0 / 175.0)))
+}
+
+fn slope_of_eigenvalue(s: f64) -> f64 {
+    let q = s * s;
+    SQRT_3 * (1.0 - q * (1.2 + q * (12.0 / 35.0)))
 }
 
 /// First coefficient, weights and their slopes of the uniform cubic B-spline at `x` in units of

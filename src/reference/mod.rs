@@ -6,6 +6,8 @@ pub mod bins;
 pub mod density;
 pub mod encode;
 pub mod generators;
+pub mod leaf_albedo;
+pub mod leaf_glossy;
 pub mod marching_cubes;
 pub mod realign;
 pub mod shade;

@@ -9,6 +9,7 @@ mod foliage_ends;
 mod foliage_subset;
 mod foliage_surface;
 mod gpu;
+mod leaf;
 mod render;
 mod skylight;
 
@@ -86,6 +87,7 @@ pub fn cases() -> Vec<Case> {
     cases.extend(foliage_subset::cases());
     cases.extend(foliage_surface::cases());
     cases.extend(skylight::cases());
+    cases.extend(leaf::cases());
     cases.extend(render::cases());
     cases
 }
