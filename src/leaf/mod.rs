@@ -5,6 +5,7 @@
 //! the paper is silent.
 
 pub mod appearance;
+pub mod files;
 pub mod fit;
 pub mod glossy;
 pub mod import;

@@ -3,6 +3,7 @@
 pub mod camera;
 pub mod export;
 pub mod extensions;
+pub mod float_image;
 pub mod geometry;
 pub mod gltf_document;
 pub mod grow;
