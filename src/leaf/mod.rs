@@ -11,7 +11,10 @@ pub mod glossy;
 pub mod import;
 pub mod maps;
 pub mod slab_table;
+pub mod species;
+pub mod venation;
 
 pub use appearance::{Face, LeafMaterial, Mode, Optics, Side};
 pub use maps::SideMaps;
 pub use slab_table::SlabTable;
+pub use species::LeafSpecies;

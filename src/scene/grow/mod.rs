@@ -11,7 +11,7 @@ mod leaf_template;
 mod leaf_texture;
 mod leaves;
 mod light;
-mod noise;
+pub(crate) mod noise;
 mod parameters;
 mod plant;
 mod portable;

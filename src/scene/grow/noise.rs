@@ -1,7 +1,7 @@
 //! Periodic value noise for the drawn textures.
 
 /// Smooth noise in \[0, 1\] on a lattice that repeats after `period` cells in x and y.
-pub(super) fn value(x: f32, y: f32, period: [i32; 2], seed: u32) -> f32 {
+pub(crate) fn value(x: f32, y: f32, period: [i32; 2], seed: u32) -> f32 {
     let (fx, fy) = (x.floor(), y.floor());
     let (ix, iy) = (fx as i32, fy as i32);
     let (tx, ty) = (fade(x - fx), fade(y - fy));
@@ -18,7 +18,7 @@ pub(super) fn value(x: f32, y: f32, period: [i32; 2], seed: u32) -> f32 {
 }
 
 /// Sum of four octaves of [`value`], in \[0, 1\]; `u` and `v` in \[0, 1) span one period.
-pub(super) fn fractal(u: f32, v: f32, cells: [i32; 2], seed: u32) -> f32 {
+pub(crate) fn fractal(u: f32, v: f32, cells: [i32; 2], seed: u32) -> f32 {
     let mut sum = 0.0;
     let mut weight = 0.5;
     let mut cells = cells;
