@@ -14,7 +14,7 @@
 use std::sync::Arc;
 
 use super::maps::SideMaps;
-use super::slab_table::SlabTable;
+use super::slab_table::{Column, SlabTable};
 use crate::abi::LeafTissue;
 use crate::{Error, Result};
 
@@ -200,31 +200,6 @@ impl Side {
         }
     }
 
-    fn optics(&self, thickness_mm: f64, mode: Mode, texel: Texel) -> Optics {
-        let mut out = Optics {
-            m: texel.m.clamp(crate::abi::GLOSSY_MIN_ROUGHNESS, 1.0),
-            ..Optics::default()
-        };
-        for c in 0..3 {
-            let omega = self.omega(c);
-            let delta = self.sigma_t(c) * thickness_mm * (1.0 + f64::from(texel.delta)).max(0.0);
-            let (a, b) = match mode {
-                Mode::Paper => (self.constants[c][0], self.constants[c][1]),
-                Mode::Exact => SlabTable::shared().read(omega, delta),
-            };
-            let rho_t = (-delta).exp() + 0.5 * omega * b;
-            let mut rho_d = f64::from(texel.gamma[c]) * 0.5 * omega * a;
-            if mode == Mode::Exact {
-                // gamma may not give back more than came in.
-                rho_d = rho_d.min(1.0 - rho_t).max(0.0);
-            }
-            out.rho_d[c] = rho_d as f32;
-            out.rho_t[c] = rho_t as f32;
-            out.rho_s[c] = (self.gloss * texel.rho_s[c]).max(0.0);
-        }
-        out
-    }
-
     fn constant_texel(&self) -> Texel {
         Texel {
             gamma: self.gamma,
@@ -234,7 +209,7 @@ impl Side {
         }
     }
 
-    fn texel(&self, index: usize) -> Texel {
+    pub(super) fn texel(&self, index: usize) -> Texel {
         self.maps
             .as_ref()
             .map_or_else(|| self.constant_texel(), |maps| maps.texel(index))
@@ -296,78 +271,21 @@ impl LeafMaterial {
         maps.map(|m| m.size)
     }
 
-    /// What light on `face` meets, of the leaf as a whole: the mean over its texels, weighted by
-    /// the mask; without maps that of the constants.
+    /// What light on `face` meets, texel by texel.
+    #[must_use]
+    pub fn sampler(&self, face: Face) -> Sampler<'_> {
+        let side = self.side(face);
+        Sampler {
+            leaf: self,
+            side,
+            columns: [0, 1, 2].map(|c| SlabTable::shared().at(side.omega(c))),
+        }
+    }
+
+    /// What light on `face` meets, of the leaf as a whole.
     #[must_use]
     pub fn optics(&self, face: Face) -> Optics {
-        let side = self.side(face);
-        let Some(maps) = &side.maps else {
-            return side.optics(self.thickness_mm, self.mode, side.constant_texel());
-        };
-        // A few thousand texels give the mean of any map to a thousandth.
-        let step = maps.len().div_ceil(8192).max(1);
-        // An odd stride visits all columns.
-        let step = if step > 1 { step | 1 } else { 1 };
-        let (mut sum, mut weights) = ([0.0_f64; 10], 0.0);
-        for index in (0..maps.len()).step_by(step) {
-            let w = f64::from(self.coverage(index));
-            if w <= 0.0 {
-                continue;
-            }
-            let o = side.optics(self.thickness_mm, self.mode, maps.texel(index));
-            let values = o.rho_d.into_iter().chain(o.rho_t).chain(o.rho_s);
-            for (s, v) in sum.iter_mut().zip(values.chain([o.m])) {
-                *s += w * f64::from(v);
-            }
-            weights += w;
-        }
-        if weights <= 0.0 {
-            return side.optics(self.thickness_mm, self.mode, side.constant_texel());
-        }
-        let mean = sum.map(|v| (v / weights) as f32);
-        Optics {
-            rho_d: [mean[0], mean[1], mean[2]],
-            rho_t: [mean[3], mean[4], mean[5]],
-            rho_s: [mean[6], mean[7], mean[8]],
-            m: mean[9],
-        }
-    }
-
-    /// What light on `face` meets at the texel `index` (row by row from the top left); without
-    /// maps every index is the same.
-    #[must_use]
-    pub fn optics_of(&self, face: Face, index: usize) -> Optics {
-        let side = self.side(face);
-        side.optics(self.thickness_mm, self.mode, side.texel(index))
-    }
-
-    /// What light on `face` meets at a texture coordinate (repeating, v downwards), bilinearly
-    /// between the texels' optics.
-    #[must_use]
-    pub fn optics_at(&self, face: Face, uv: [f32; 2]) -> Optics {
-        let Some([w, h]) = self.side(face).maps.as_ref().map(|m| m.size) else {
-            return self.optics_of(face, 0);
-        };
-        let place = |t: f32, n: u32| {
-            let x = if t.is_finite() { t - t.floor() } else { 0.0 } * n as f32 - 0.5;
-            let low = x.floor();
-            let wrap = |i: f32| (i as i64).rem_euclid(i64::from(n)) as usize;
-            ([wrap(low), wrap(low + 1.0)], x - low)
-        };
-        let ((x, fx), (y, fy)) = (place(uv[0], w), place(uv[1], h));
-        let mut out = Optics::default();
-        for (j, wy) in [1.0 - fy, fy].into_iter().enumerate() {
-            for (i, wx) in [1.0 - fx, fx].into_iter().enumerate() {
-                let o = self.optics_of(face, y[j] * w as usize + x[i]);
-                for c in 0..3 {
-                    out.rho_d[c] += wx * wy * o.rho_d[c];
-                    out.rho_t[c] += wx * wy * o.rho_t[c];
-                    out.rho_s[c] += wx * wy * o.rho_s[c];
-                }
-                out.m += wx * wy * o.m;
-            }
-        }
-        out
+        self.sampler(face).mean()
     }
 
     /// How much of a texel is leaf, \[0, 1\].
@@ -435,5 +353,113 @@ impl LeafMaterial {
             ));
         }
         Ok(())
+    }
+}
+
+/// One side of a leaf, ready to be read many times.
+#[derive(Debug, Clone)]
+pub struct Sampler<'a> {
+    leaf: &'a LeafMaterial,
+    side: &'a Side,
+    columns: [Column; 3],
+}
+
+impl Sampler<'_> {
+    /// At the texel `index` (row by row from the top left); without maps every index is the same.
+    #[must_use]
+    pub fn of(&self, index: usize) -> Optics {
+        self.optics(self.side.texel(index))
+    }
+
+    /// The mean over the leaf's texels, weighted by the mask; without maps that of the constants.
+    #[must_use]
+    pub fn mean(&self) -> Optics {
+        let Some(maps) = &self.side.maps else {
+            return self.optics(self.side.constant_texel());
+        };
+        // Some ten thousand texels give the mean of any map to a thousandth; an odd stride visits
+        // all columns.
+        let step = match maps.len() / 16_384 {
+            0 | 1 => 1,
+            n => n | 1,
+        };
+        let (mut sum, mut weights) = ([0.0_f64; 10], 0.0);
+        for index in (0..maps.len()).step_by(step) {
+            let w = f64::from(self.leaf.coverage(index));
+            if w <= 0.0 {
+                continue;
+            }
+            let o = self.of(index);
+            let values = o.rho_d.into_iter().chain(o.rho_t).chain(o.rho_s);
+            for (s, v) in sum.iter_mut().zip(values.chain([o.m])) {
+                *s += w * f64::from(v);
+            }
+            weights += w;
+        }
+        if weights <= 0.0 {
+            return self.optics(self.side.constant_texel());
+        }
+        let mean = sum.map(|v| (v / weights) as f32);
+        Optics {
+            rho_d: [mean[0], mean[1], mean[2]],
+            rho_t: [mean[3], mean[4], mean[5]],
+            rho_s: [mean[6], mean[7], mean[8]],
+            m: mean[9],
+        }
+    }
+
+    /// At a texture coordinate (repeating, v downwards), bilinearly between the texels' optics.
+    #[must_use]
+    pub fn at(&self, uv: [f32; 2]) -> Optics {
+        let Some([w, h]) = self.side.maps.as_ref().map(|m| m.size) else {
+            return self.of(0);
+        };
+        let place = |t: f32, n: u32| {
+            let x = if t.is_finite() { t - t.floor() } else { 0.0 } * n as f32 - 0.5;
+            let low = x.floor();
+            let wrap = |i: f32| (i as i64).rem_euclid(i64::from(n)) as usize;
+            ([wrap(low), wrap(low + 1.0)], x - low)
+        };
+        let ((x, fx), (y, fy)) = (place(uv[0], w), place(uv[1], h));
+        let mut out = Optics::default();
+        for (j, wy) in [1.0 - fy, fy].into_iter().enumerate() {
+            for (i, wx) in [1.0 - fx, fx].into_iter().enumerate() {
+                let o = self.of(y[j] * w as usize + x[i]);
+                for c in 0..3 {
+                    out.rho_d[c] += wx * wy * o.rho_d[c];
+                    out.rho_t[c] += wx * wy * o.rho_t[c];
+                    out.rho_s[c] += wx * wy * o.rho_s[c];
+                }
+                out.m += wx * wy * o.m;
+            }
+        }
+        out
+    }
+
+    fn optics(&self, texel: Texel) -> Optics {
+        let side = self.side;
+        let mut out = Optics {
+            m: texel.m.clamp(crate::abi::GLOSSY_MIN_ROUGHNESS, 1.0),
+            ..Optics::default()
+        };
+        let thickness = self.leaf.thickness_mm * (1.0 + f64::from(texel.delta)).max(0.0);
+        for c in 0..3 {
+            let omega = side.omega(c);
+            let delta = side.sigma_t(c) * thickness;
+            let (a, b) = match self.leaf.mode {
+                Mode::Paper => (side.constants[c][0], side.constants[c][1]),
+                Mode::Exact => self.columns[c].read(delta),
+            };
+            let rho_t = (-delta).exp() + 0.5 * omega * b;
+            let mut rho_d = f64::from(texel.gamma[c]) * 0.5 * omega * a;
+            if self.leaf.mode == Mode::Exact {
+                // gamma may not give back more than came in.
+                rho_d = rho_d.min(1.0 - rho_t).max(0.0);
+            }
+            out.rho_d[c] = rho_d as f32;
+            out.rho_t[c] = rho_t as f32;
+            out.rho_s[c] = (side.gloss * texel.rho_s[c]).max(0.0);
+        }
+        out
     }
 }

@@ -5,16 +5,18 @@
 //! the paper is silent.
 
 pub mod appearance;
+pub mod edit;
 pub mod files;
 pub mod fit;
 pub mod glossy;
 pub mod import;
 pub mod maps;
+pub mod picture;
 pub mod slab_table;
 pub mod species;
 pub mod venation;
 
-pub use appearance::{Face, LeafMaterial, Mode, Optics, Side};
+pub use appearance::{Face, LeafMaterial, Mode, Optics, Sampler, Side};
 pub use maps::SideMaps;
 pub use slab_table::SlabTable;
 pub use species::LeafSpecies;
