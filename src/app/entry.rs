@@ -55,6 +55,7 @@ fn dispatch(context: &Context, command: &Command) -> Result<Report> {
         Command::Grow(args) => command::grow::run(context, args),
         Command::Bench(args) => command::bench::run(context, args),
         Command::Conform(args) => command::conform::run(context, args),
+        Command::Leaf(args) => command::leaf::run(context, args),
         Command::Info(args) => command::info::run(context, args),
         Command::Settings(args) => command::settings::run(context, args),
         Command::Tradeoff(args) => tradeoff::run(context, args),

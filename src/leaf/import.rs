@@ -5,12 +5,15 @@
 
 use std::sync::Arc;
 
-use super::appearance::{LeafMaterial, Mode, Side, USUAL_GLOSS, USUAL_THICKNESS_MM};
+use super::appearance::{Face, LeafMaterial, Mode, Optics, Side, USUAL_GLOSS, USUAL_THICKNESS_MM};
 use super::maps::SideMaps;
+use super::species::{DRAWN_SIZE, LeafSpecies};
 use crate::Result;
-use crate::math::colour::srgb8_to_linear;
-use crate::scene::textures::{Rgba8, decode};
-use crate::scene::{AlphaMode, Material, Model, TextureRef};
+use crate::math::colour::{linear_to_srgb8, srgb8_to_linear};
+use crate::scene::textures::{Rgba8, decode, encode_png};
+use crate::scene::{
+    AlphaMode, DiffuseTransmission, ImageSource, Material, Model, Texture, TextureRef, Wrap,
+};
 
 /// Transmittance over reflectance of a green leaf, per channel, where a material does not say: the
 /// median of the ten measured leaves in `species.rs`.
@@ -24,9 +27,14 @@ const MOST: f64 = 0.95;
 /// texture transform still applies), its alpha the mask. Where the material has no diffuse
 /// transmission the base colour is the reflectance and a green leaf's transmittance is assumed.
 ///
+/// Leaves of the plant generator become the measured leaves they are drawn after.
+///
 /// # Errors
 /// A texture that cannot be read.
 pub fn leaf_of_material(model: &Model, material: &Material) -> Result<LeafMaterial> {
+    if let Some(species) = grown(model, material) {
+        return Ok(species.drawn(DRAWN_SIZE));
+    }
     let texture = |t: &Option<TextureRef>| -> Result<Option<Rgba8>> {
         let Some(t) = t else { return Ok(None) };
         let image = model.textures[t.texture].image;
@@ -83,6 +91,26 @@ pub fn leaf_of_material(model: &Model, material: &Material) -> Result<LeafMateri
     Ok(leaf)
 }
 
+/// The measured leaf behind a leaf material that the plant generator has just made.
+fn grown(model: &Model, material: &Material) -> Option<&'static LeafSpecies> {
+    let texture = material.base_color_texture?;
+    let image = model
+        .images
+        .get(model.textures.get(texture.texture)?.image)?;
+    // A file that was written and read again carries its own colours.
+    if !matches!(image, ImageSource::Rgba8 { .. }) {
+        return None;
+    }
+    let plant = match material.name.as_str() {
+        "ovate leaf" => "broadleaf",
+        "heart-shaped leaf" => "lime",
+        "elliptic leaf" => "shrub",
+        "needle" => "conifer",
+        _ => return None,
+    };
+    LeafSpecies::of_plant(plant)
+}
+
 /// Scales both where together they exceed what a leaf may give back.
 fn within_energy(rho_d: [f64; 3], rho_t: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     let scale: [f64; 3] =
@@ -127,4 +155,84 @@ fn gamma_maps(image: &Rgba8, mean: [f64; 3], m: f32) -> SideMaps {
         }
     }
     maps
+}
+
+/// The leaf as a material; its textures are added to `model`.
+///
+/// `f = rho_t / (rho_d + rho_t)` of the leaf's brightness splits the lobe. glTF has one colour for
+/// both sides, so the sides' means are taken; gloss is left to its own Fresnel term.
+///
+/// # Errors
+/// The maps cannot be encoded.
+pub fn material_of_leaf(leaf: &LeafMaterial, model: &mut Model) -> Result<Material> {
+    let sides = Face::ALL.map(|face| leaf.sampler(face));
+    let mean = |index: Option<usize>| -> ([f32; 3], [f32; 3]) {
+        let o = [0, 1].map(|i| index.map_or_else(|| sides[i].mean(), |t| sides[i].of(t)));
+        let both = |f: fn(&Optics) -> [f32; 3]| {
+            let (a, b) = (f(&o[0]), f(&o[1]));
+            [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))
+        };
+        (both(|o| o.rho_d), both(|o| o.rho_t))
+    };
+    let (rho_d, rho_t) = mean(None);
+    let bright = |v: [f32; 3]| 0.2126 * v[0] + 0.7152 * v[1] + 0.0722 * v[2];
+    let f = bright(rho_t) / (bright(rho_d) + bright(rho_t)).max(1e-6);
+    // Neither colour may exceed 1: their sum does not, so there is always such a share.
+    let most = |v: [f32; 3]| v.into_iter().fold(0.0, f32::max);
+    let f = f.clamp(most(rho_t).min(1.0), (1.0 - most(rho_d)).max(0.0));
+    let split = |(d, t): ([f32; 3], [f32; 3])| {
+        (
+            d.map(|v| v / (1.0 - f).max(1e-6)),
+            t.map(|v| v / f.max(1e-6)),
+        )
+    };
+    let m = leaf.optics(Face::Upper).m;
+    let mut out = Material {
+        name: leaf.name.clone(),
+        roughness: m.sqrt(),
+        double_sided: true,
+        ..Material::default()
+    };
+    let (base, tint) = split((rho_d, rho_t));
+    let mut transmission = DiffuseTransmission {
+        factor: f,
+        texture: None,
+        color: tint,
+        color_texture: None,
+    };
+    out.base_color = [base[0], base[1], base[2], 1.0];
+    if let Some(size) = leaf.size() {
+        let count = size[0] as usize * size[1] as usize;
+        let (mut bases, mut tints) = (Vec::with_capacity(4 * count), Vec::with_capacity(4 * count));
+        for i in 0..count {
+            let (base, tint) = split(mean(Some(i)));
+            bases.extend(base.map(linear_to_srgb8));
+            bases.push((leaf.coverage(i) * 255.0).round() as u8);
+            tints.extend(tint.map(linear_to_srgb8));
+            tints.push(255);
+        }
+        out.base_color = [1.0; 4];
+        out.base_color_texture = Some(add_texture(model, "leaf colour", size, &bases)?);
+        transmission.color = [1.0; 3];
+        transmission.color_texture = Some(add_texture(model, "leaf light", size, &tints)?);
+        if leaf.mask.is_some() {
+            out.alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
+        }
+    }
+    out.diffuse_transmission = Some(transmission);
+    Ok(out)
+}
+
+fn add_texture(model: &mut Model, name: &str, size: [u32; 2], pixels: &[u8]) -> Result<TextureRef> {
+    model.images.push(ImageSource::Encoded {
+        name: name.to_owned(),
+        bytes: encode_png(size[0], size[1], pixels)?.into(),
+    });
+    model.textures.push(Texture {
+        image: model.images.len() - 1,
+        wrap_u: Wrap::Clamp,
+        wrap_v: Wrap::Clamp,
+        nearest: false,
+    });
+    Ok(TextureRef::new(model.textures.len() - 1))
 }

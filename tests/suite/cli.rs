@@ -7,7 +7,7 @@ use crate::small_model::{SmallModel, small_tree};
 
 /// Every command of the program.
 const COMMANDS: &[&str] = &[
-    "render", "bake", "surface", "grow", "info", "bench", "conform", "settings", "tradeoff",
+    "render", "bake", "surface", "grow", "info", "leaf", "bench", "conform", "settings", "tradeoff",
 ];
 
 #[test]

@@ -3,6 +3,7 @@
 pub mod chosen;
 pub mod commands;
 pub mod global;
+pub mod leaf;
 pub mod tables;
 
 use clap::{Parser, Subcommand};
@@ -12,6 +13,7 @@ pub use commands::{
     SettingsArgs, SurfaceArgs,
 };
 pub use global::GlobalArgs;
+pub use leaf::LeafArgs;
 
 use super::tradeoff::TradeoffArgs;
 
@@ -57,6 +59,9 @@ pub enum Command {
     /// Tell what a model holds and what drawing it would need, or which devices there are
     #[command(after_help = InfoArgs::EXAMPLES)]
     Info(Box<InfoArgs>),
+    /// Leaves: measured species, fit, edit, pictures, the scattering slab
+    #[command(after_help = LeafArgs::EXAMPLES)]
+    Leaf(LeafArgs),
     /// Time every pass
     #[command(after_help = BenchArgs::EXAMPLES)]
     Bench(Box<BenchArgs>),

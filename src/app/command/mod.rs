@@ -5,6 +5,7 @@ pub mod bench;
 pub mod conform;
 pub mod grow;
 pub mod info;
+pub mod leaf;
 pub mod render;
 pub mod settings;
 pub mod surface;
