@@ -14,8 +14,9 @@
 use std::sync::Arc;
 
 use super::maps::SideMaps;
-use super::slab_table::{Column, SlabTable};
+use super::slab_table::{Column, Share, SlabTable};
 use crate::abi::LeafTissue;
+use crate::math::slab::{Incidence, solve};
 use crate::{Error, Result};
 
 /// Thickness of a leaf where nothing is known, millimetres.
@@ -90,7 +91,7 @@ impl std::fmt::Display for Mode {
 
 /// What one side does with light that falls on it; linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Optics {
+pub struct SideOptics {
     /// Diffusely reflected share.
     pub rho_d: [f32; 3],
     /// Diffusely transmitted share.
@@ -200,6 +201,24 @@ impl Side {
         }
     }
 
+    /// Reflectance and transmittance per channel of the tissue alone for light that does not come
+    /// straight down, which the model itself leaves out (Wang et al. use the values of normal
+    /// incidence for every direction).
+    ///
+    /// # Errors
+    /// An incidence out of range.
+    pub fn share(&self, thickness_mm: f64, incidence: Incidence) -> Result<[Share; 3]> {
+        let mut out = [Share { r: 0.0, t: 0.0 }; 3];
+        for (c, share) in out.iter_mut().enumerate() {
+            let light = solve(self.omega(c), self.sigma_t(c) * thickness_mm, incidence)?;
+            *share = Share {
+                r: light.rho_d,
+                t: light.t_diff + light.t_dir,
+            };
+        }
+        Ok(out)
+    }
+
     fn constant_texel(&self) -> Texel {
         Texel {
             gamma: self.gamma,
@@ -284,7 +303,7 @@ impl LeafMaterial {
 
     /// What light on `face` meets, of the leaf as a whole.
     #[must_use]
-    pub fn optics(&self, face: Face) -> Optics {
+    pub fn optics(&self, face: Face) -> SideOptics {
         self.sampler(face).mean()
     }
 
@@ -367,13 +386,13 @@ pub struct Sampler<'a> {
 impl Sampler<'_> {
     /// At the texel `index` (row by row from the top left); without maps every index is the same.
     #[must_use]
-    pub fn of(&self, index: usize) -> Optics {
+    pub fn of(&self, index: usize) -> SideOptics {
         self.optics(self.side.texel(index))
     }
 
     /// The mean over the leaf's texels, weighted by the mask; without maps that of the constants.
     #[must_use]
-    pub fn mean(&self) -> Optics {
+    pub fn mean(&self) -> SideOptics {
         let Some(maps) = &self.side.maps else {
             return self.optics(self.side.constant_texel());
         };
@@ -400,7 +419,7 @@ impl Sampler<'_> {
             return self.optics(self.side.constant_texel());
         }
         let mean = sum.map(|v| (v / weights) as f32);
-        Optics {
+        SideOptics {
             rho_d: [mean[0], mean[1], mean[2]],
             rho_t: [mean[3], mean[4], mean[5]],
             rho_s: [mean[6], mean[7], mean[8]],
@@ -410,7 +429,7 @@ impl Sampler<'_> {
 
     /// At a texture coordinate (repeating, v downwards), bilinearly between the texels' optics.
     #[must_use]
-    pub fn at(&self, uv: [f32; 2]) -> Optics {
+    pub fn at(&self, uv: [f32; 2]) -> SideOptics {
         let Some([w, h]) = self.side.maps.as_ref().map(|m| m.size) else {
             return self.of(0);
         };
@@ -421,7 +440,7 @@ impl Sampler<'_> {
             ([wrap(low), wrap(low + 1.0)], x - low)
         };
         let ((x, fx), (y, fy)) = (place(uv[0], w), place(uv[1], h));
-        let mut out = Optics::default();
+        let mut out = SideOptics::default();
         for (j, wy) in [1.0 - fy, fy].into_iter().enumerate() {
             for (i, wx) in [1.0 - fx, fx].into_iter().enumerate() {
                 let o = self.of(y[j] * w as usize + x[i]);
@@ -436,11 +455,11 @@ impl Sampler<'_> {
         out
     }
 
-    fn optics(&self, texel: Texel) -> Optics {
+    fn optics(&self, texel: Texel) -> SideOptics {
         let side = self.side;
-        let mut out = Optics {
+        let mut out = SideOptics {
             m: texel.m.clamp(crate::abi::GLOSSY_MIN_ROUGHNESS, 1.0),
-            ..Optics::default()
+            ..SideOptics::default()
         };
         let thickness = self.leaf.thickness_mm * (1.0 + f64::from(texel.delta)).max(0.0);
         for c in 0..3 {

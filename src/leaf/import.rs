@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 
-use super::appearance::{Face, LeafMaterial, Mode, Optics, Side, USUAL_GLOSS, USUAL_THICKNESS_MM};
+use super::appearance::{
+    Face, LeafMaterial, Mode, Side, SideOptics, USUAL_GLOSS, USUAL_THICKNESS_MM,
+};
 use super::maps::SideMaps;
 use super::species::{DRAWN_SIZE, LeafSpecies};
 use crate::Result;
@@ -168,7 +170,7 @@ pub fn material_of_leaf(leaf: &LeafMaterial, model: &mut Model) -> Result<Materi
     let sides = Face::ALL.map(|face| leaf.sampler(face));
     let mean = |index: Option<usize>| -> ([f32; 3], [f32; 3]) {
         let o = [0, 1].map(|i| index.map_or_else(|| sides[i].mean(), |t| sides[i].of(t)));
-        let both = |f: fn(&Optics) -> [f32; 3]| {
+        let both = |f: fn(&SideOptics) -> [f32; 3]| {
             let (a, b) = (f(&o[0]), f(&o[1]));
             [0, 1, 2].map(|c| 0.5 * (a[c] + b[c]))
         };

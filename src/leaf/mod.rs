@@ -16,7 +16,7 @@ pub mod slab_table;
 pub mod species;
 pub mod venation;
 
-pub use appearance::{Face, LeafMaterial, Mode, Optics, Sampler, Side};
+pub use appearance::{Face, LeafMaterial, Mode, Sampler, Side, SideOptics};
 pub use maps::SideMaps;
 pub use slab_table::SlabTable;
 pub use species::LeafSpecies;

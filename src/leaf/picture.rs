@@ -1,5 +1,7 @@
 //! A single leaf as a picture: its maps, and lit from the front and from behind.
 
+use rayon::prelude::*;
+
 use super::appearance::{Face, LeafMaterial, Texel};
 use super::glossy::{Shadowing, glossy};
 use glam::Vec3;
@@ -26,7 +28,7 @@ impl Lit {
         Self {
             face,
             from_behind,
-            sun: 9.0,
+            sun: 8.0,
             sky: 1.1,
             shadowing: Shadowing::Safe,
         }
@@ -47,47 +49,53 @@ pub fn lit(leaf: &LeafMaterial, light: &Lit, size: [u32; 2]) -> Vec<[f32; 4]> {
     let seen = leaf.sampler(light.face);
     let back = leaf.sampler(other);
     let side = if light.from_behind { -1.0 } else { 1.0 };
-    let to_sun = Vec3::new(-0.42, 0.50, 0.76 * side).normalize();
+    let to_sun = Vec3::new(-0.52, 0.58, 0.63 * side).normalize();
     let to_viewer = Vec3::Z;
-    let mut out = Vec::with_capacity(size[0] as usize * size[1] as usize);
-    for y in 0..size[1] {
-        for x in 0..size[0] {
-            let uv = [
+    pixels(size, |uv| {
+        let cover = coverage(leaf, uv, 1.0 / size[1] as f32);
+        if cover <= 0.0 {
+            return [0.0; 4];
+        }
+        let front = seen.at(uv);
+        let rear = back.at(uv);
+        let n = normal(leaf, light.face, uv);
+        let cos_sun = n.dot(to_sun);
+        let mut rgb = [0.0; 3];
+        for (c, value) in rgb.iter_mut().enumerate() {
+            let sky = light.sky * (front.rho_d[c] + rear.rho_t[c]);
+            let sun = if cos_sun > 0.0 {
+                let half = (to_sun + to_viewer).normalize();
+                let cosines = [cos_sun, n.dot(to_viewer), n.dot(half)].map(f64::from);
+                let lobe = glossy(
+                    cosines[0],
+                    cosines[1],
+                    cosines[2],
+                    f64::from(front.m),
+                    light.shadowing,
+                );
+                front.rho_d[c] / std::f32::consts::PI * cos_sun + front.rho_s[c] * lobe as f32
+            } else {
+                rear.rho_t[c] / std::f32::consts::PI * -cos_sun
+            };
+            *value = sky / std::f32::consts::PI + light.sun * sun;
+        }
+        [rgb[0], rgb[1], rgb[2], cover]
+    })
+}
+
+/// Every pixel's colour from its place, (0, 0) at the top left to (1, 1).
+fn pixels(size: [u32; 2], colour: impl Fn([f32; 2]) -> [f32; 4] + Sync) -> Vec<[f32; 4]> {
+    (0..size[0] as usize * size[1] as usize)
+        .into_par_iter()
+        .with_min_len(size[0] as usize)
+        .map(|i| {
+            let (x, y) = (i % size[0] as usize, i / size[0] as usize);
+            colour([
                 (x as f32 + 0.5) / size[0] as f32,
                 (y as f32 + 0.5) / size[1] as f32,
-            ];
-            let cover = coverage(leaf, uv, 1.0 / size[1] as f32);
-            if cover <= 0.0 {
-                out.push([0.0; 4]);
-                continue;
-            }
-            let front = seen.at(uv);
-            let rear = back.at(uv);
-            let n = normal(leaf, light.face, uv);
-            let cos_sun = n.dot(to_sun);
-            let mut rgb = [0.0; 3];
-            for (c, value) in rgb.iter_mut().enumerate() {
-                let sky = light.sky * (front.rho_d[c] + rear.rho_t[c]);
-                let sun = if cos_sun > 0.0 {
-                    let half = (to_sun + to_viewer).normalize();
-                    let cosines = [cos_sun, n.dot(to_viewer), n.dot(half)].map(f64::from);
-                    let lobe = glossy(
-                        cosines[0],
-                        cosines[1],
-                        cosines[2],
-                        f64::from(front.m),
-                        light.shadowing,
-                    );
-                    front.rho_d[c] / std::f32::consts::PI * cos_sun + front.rho_s[c] * lobe as f32
-                } else {
-                    rear.rho_t[c] / std::f32::consts::PI * -cos_sun
-                };
-                *value = sky / std::f32::consts::PI + light.sun * sun;
-            }
-            out.push([rgb[0], rgb[1], rgb[2], cover]);
-        }
-    }
-    out
+            ])
+        })
+        .collect()
 }
 
 /// What of a map is shown.
@@ -111,28 +119,20 @@ pub enum MapView {
 #[must_use]
 pub fn map(leaf: &LeafMaterial, face: Face, view: MapView, size: [u32; 2]) -> Vec<[f32; 4]> {
     let sampler = leaf.sampler(face);
-    let mut out = Vec::with_capacity(size[0] as usize * size[1] as usize);
-    for y in 0..size[1] {
-        for x in 0..size[0] {
-            let uv = [
-                (x as f32 + 0.5) / size[0] as f32,
-                (y as f32 + 0.5) / size[1] as f32,
-            ];
-            let cover = coverage(leaf, uv, 1.0 / size[1] as f32);
-            let texel = nearest(leaf, face, uv);
-            let rgb = match view {
-                // Shown as numbers: grey levels in sRGB are the values.
-                MapView::Gamma => texel.gamma.map(|g| level(0.5 * g)),
-                MapView::Thickness => [level(0.5 + 0.5 * texel.delta); 3],
-                MapView::Gloss => texel.rho_s.map(|s| level(10.0 * s)),
-                MapView::Roughness => [level(texel.m); 3],
-                MapView::Reflectance => sampler.at(uv).rho_d.map(|v| 2.5 * v),
-                MapView::Transmittance => sampler.at(uv).rho_t.map(|v| 2.5 * v),
-            };
-            out.push([rgb[0], rgb[1], rgb[2], cover]);
-        }
-    }
-    out
+    pixels(size, |uv| {
+        let cover = coverage(leaf, uv, 1.0 / size[1] as f32);
+        let texel = nearest(leaf, face, uv);
+        let rgb = match view {
+            // Shown as numbers: grey levels in sRGB are the values.
+            MapView::Gamma => texel.gamma.map(|g| level(0.5 * g)),
+            MapView::Thickness => [level(0.5 + 0.5 * texel.delta); 3],
+            MapView::Gloss => texel.rho_s.map(|s| level(10.0 * s)),
+            MapView::Roughness => [level(texel.m); 3],
+            MapView::Reflectance => sampler.at(uv).rho_d.map(|v| 2.5 * v),
+            MapView::Transmittance => sampler.at(uv).rho_t.map(|v| 2.5 * v),
+        };
+        [rgb[0], rgb[1], rgb[2], cover]
+    })
 }
 
 /// A number that is to be read off a picture: its sRGB value.
@@ -179,8 +179,8 @@ fn normal(leaf: &LeafMaterial, face: Face, uv: [f32; 2]) -> Vec3 {
     let slope = |a: f32, b: f32| ridge * RELIEF * 0.5 * (a - b) * step;
     let dx = slope(height(1.5, 0.0), height(-1.5, 0.0));
     let dy = slope(height(0.0, -1.5), height(0.0, 1.5));
-    let fold = 0.25 * ((uv[0] - 0.5) * 14.0).clamp(-1.0, 1.0);
-    let arch = 0.5 * (uv[1] - 0.5);
+    let fold = 0.14 * ((uv[0] - 0.5) * 9.0).clamp(-1.0, 1.0);
+    let arch = 0.4 * (uv[1] - 0.5);
     Vec3::new(fold - dx, arch - dy, 1.0).normalize()
 }
 

@@ -254,12 +254,15 @@ impl LeafSpecies {
                 }
             }
         }
-        let found = leaf.optics(face).rho_d;
         let wanted = self.diffuse(face);
-        if let Some(maps) = leaf.side_mut(face).maps.as_mut().map(Arc::make_mut) {
-            for texel in &mut maps.gamma_delta {
-                for c in 0..3 {
-                    texel[c] *= wanted[c] as f32 / found[c].max(1e-6);
+        // Where gamma is limited by energy one scaling is not enough.
+        for _ in 0..4 {
+            let found = leaf.optics(face).rho_d;
+            if let Some(maps) = leaf.side_mut(face).maps.as_mut().map(Arc::make_mut) {
+                for texel in &mut maps.gamma_delta {
+                    for c in 0..3 {
+                        texel[c] *= wanted[c] as f32 / found[c].max(1e-6);
+                    }
                 }
             }
         }

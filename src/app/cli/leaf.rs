@@ -50,15 +50,16 @@ pub enum LeafPart {
 #[derive(Debug, Clone, Args)]
 pub struct SlabArgs {
     /// Scattering albedo, 0 to 1
-    #[arg(long, value_name = "W")]
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
     pub omega: f64,
     /// Optical thickness, >= 0
-    #[arg(long, value_name = "D")]
+    #[arg(long, value_name = "D", allow_negative_numbers = true)]
     pub delta: f64,
     /// Cosine of the angle of incidence of a beam, above 0 to 1
     #[arg(
         long,
         value_name = "M",
+        allow_negative_numbers = true,
         default_value_t = 1.0,
         conflicts_with = "diffuse"
     )]
@@ -93,7 +94,7 @@ pub struct ShowArgs {
     /// Which leaf.
     #[command(flatten)]
     pub input: LeafInput,
-    /// Picture to write (PNG)
+    /// Picture to write (PNG, or JPEG by its extension)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// What is shown
@@ -137,13 +138,13 @@ pub struct EditArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Thickness in millimetres, or a factor such as 1.5x
-    #[arg(long, value_name = "MM|FACTORx")]
+    #[arg(long, value_name = "MM|FACTORx", allow_hyphen_values = true)]
     pub thickness: Option<Change>,
     /// Absorption per channel in 1/mm or as factors: 0.5x or 1x,2x,1x
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     pub sigma_a: Option<Channels>,
     /// Scattering per channel in 1/mm or as factors
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     pub sigma_s: Option<Channels>,
     /// Factor on the glossy reflection
     #[arg(long, value_name = "FACTOR")]
@@ -238,7 +239,7 @@ pub struct FitArgs {
     #[arg(long, value_name = "IMAGE")]
     pub roughness_lower: Option<PathBuf>,
     /// Mean thickness, millimetres: a free scale
-    #[arg(long, value_name = "MM", default_value_t = crate::leaf::appearance::USUAL_THICKNESS_MM)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = crate::leaf::appearance::USUAL_THICKNESS_MM)]
     pub thickness: f64,
     /// What the numbers of PNG and JPEG mean (EXR and HDR are linear, masks and roughness too)
     #[arg(long, default_value = "srgb")]

@@ -8,7 +8,7 @@ use crate::app::cli::leaf::EditArgs;
 use crate::app::report::Table;
 use crate::app::{Report, console};
 use crate::leaf::edit::Edit;
-use crate::leaf::{Face, LeafMaterial, Optics};
+use crate::leaf::{Face, LeafMaterial, SideOptics};
 
 pub(super) fn run(args: &EditArgs) -> Result<Report> {
     let working = console::working("editing the leaf");
@@ -64,7 +64,7 @@ pub(super) fn run(args: &EditArgs) -> Result<Report> {
     Ok(Report::new(text, json))
 }
 
-fn optics(o: Optics) -> Value {
+fn optics(o: SideOptics) -> Value {
     json!({ "rho_d": o.rho_d, "rho_t": o.rho_t, "rho_s": o.rho_s, "m": o.m })
 }
 

@@ -37,7 +37,16 @@ pub(super) fn run(args: &ShowArgs) -> Result<Report> {
             sheet(&all, 6)
         }
     };
-    output.commit(&picture.to_png()?)?;
+    let ending = args.output.extension().unwrap_or_default();
+    let bytes = if ["jpg", "jpeg"]
+        .iter()
+        .any(|e| ending.eq_ignore_ascii_case(e))
+    {
+        picture.to_jpeg()?
+    } else {
+        picture.to_png()?
+    };
+    output.commit(&bytes)?;
     drop(working);
     let Picture { width, height, .. } = picture;
     Ok(Report::new(
