@@ -117,7 +117,7 @@ pub struct Side {
     pub m: f32,
     /// The paper's constants `[A, B]` per channel.
     pub constants: [[f64; 2]; 3],
-    /// Factor on the rho_s of the maps and of [`Self::rho_s`]: an edit of the whole leaf.
+    /// Factor on the intensity of the maps and of [`Self::rho_s`]: an edit of the whole leaf.
     pub gloss: f32,
     /// What differs from texel to texel.
     pub maps: Option<Arc<SideMaps>>,

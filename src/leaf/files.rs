@@ -3,7 +3,7 @@
 //! | image | R, G, B | A | as 16-bit PNG |
 //! |---|---|---|---|
 //! | `gamma_delta` | gamma | deviation of the thickness d | gamma / 4, (d + 1) / 4 |
-//! | `specular` | rho_s | roughness m | as they are |
+//! | `specular` | intensity of the gloss | roughness m | as they are |
 //! | `mask` | R: how much of the texel is leaf | | as it is |
 //!
 //! EXR holds the values themselves. Eight-bit PNGs are read too, with the same meaning.

@@ -12,7 +12,7 @@ pub struct SideMaps {
     /// gamma in RGB (>= 0, may exceed 1); in A the deviation of the thickness over the thickness
     /// (>= -1).
     pub gamma_delta: Vec<[f32; 4]>,
-    /// rho_s in RGB, \[0, 1\]; m in A, (0, 1].
+    /// Intensity of the gloss in RGB, \[0, 1\]; m in A, (0, 1].
     pub specular: Vec<[f32; 4]>,
 }
 

@@ -331,10 +331,11 @@ fn spline(values: &[[f64; 2]]) -> Vec<[f64; 2]> {
         }
     }
     for row in (0..n).rev() {
-        for q in 0..2 {
-            let known: f64 = (row + 1..n).map(|k| rows[row][k] * rhs[k][q]).sum();
-            rhs[row][q] = (rhs[row][q] - known) / rows[row][row];
+        let (upper, solved) = rhs.split_at_mut(row + 1);
+        for (factor, known) in rows[row][row + 1..].iter().zip(solved.iter()) {
+            (0..2).for_each(|q| upper[row][q] -= factor * known[q]);
         }
+        upper[row] = upper[row].map(|v| v / rows[row][row]);
     }
     rhs
 }

@@ -395,9 +395,10 @@ fn eliminate<const M: usize>(matrix: &mut Matrix, rhs: &mut [[f64; M]; N]) {
         }
     }
     for row in (0..N).rev() {
-        for k in 0..M {
-            let known: f64 = (row + 1..N).map(|j| matrix[row][j] * rhs[j][k]).sum();
-            rhs[row][k] = (rhs[row][k] - known) / matrix[row][row];
+        let (upper, solved) = rhs.split_at_mut(row + 1);
+        for (factor, known) in matrix[row][row + 1..].iter().zip(solved.iter()) {
+            (0..M).for_each(|k| upper[row][k] -= factor * known[k]);
         }
+        upper[row] = upper[row].map(|v| v / matrix[row][row]);
     }
 }
