@@ -3,7 +3,7 @@
 //! The library is organised in rooms whose dependencies point one way:
 //!
 //! ```text
-//! app -> render -> foliage -> gpu        technique and programs over the mechanism
+//! app -> render -> {foliage, leaf} -> gpu  technique and programs over the mechanism
 //!   \       \         \
 //!    +-------+---------+--> scene, math, abi, error
 //! reference -> math, scene, abi, error   the same kernels in f64 on the CPU, never Vulkan
