@@ -78,13 +78,7 @@ pub use render::*;
 /// The GLSL text of every shared constant and struct.
 #[must_use]
 pub fn glsl() -> String {
-    let parts = [
-        gpu::glsl(),
-        foliage::glsl(),
-        leaf::glsl(),
-        render::glsl(),
-    ]
-    .concat();
+    let parts = [gpu::glsl(), foliage::glsl(), leaf::glsl(), render::glsl()].concat();
     format!("#ifndef ABI_GLSL\n#define ABI_GLSL\n{parts}#endif\n")
 }
 

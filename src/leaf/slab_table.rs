@@ -200,6 +200,30 @@ impl Column {
         Some([[la(to_omega * by_s[0], lq[0]), la(by_v[0], lq[1])], lb])
     }
 
+    /// Transmittance and its slope by `ln Delta`.
+    #[must_use]
+    pub(super) fn transmittance(&self, delta: f64) -> (f64, f64) {
+        let v = delta.ln();
+        let direct = (-delta).exp();
+        if !(THIN..=THICK).contains(&v) {
+            const H: f64 = 1e-4;
+            let at = |h: f64| self.share(delta * h.exp()).t;
+            return (self.share(delta).t, (at(H) - at(-H)) / (2.0 * H));
+        }
+        let (first, weights, slopes) = cubic((v - THIN) * PER_LN);
+        let (mut ln_b, mut by_v) = (0.0, 0.0);
+        for k in 0..4 {
+            ln_b += weights[k] * self.values[first + k][1];
+            by_v += slopes[k] * self.values[first + k][1] * PER_LN;
+        }
+        let known = Known::new(self.s, delta);
+        let scattered = 0.5 * self.omega * (ln_b - known.ln_sinh).exp();
+        (
+            direct + scattered,
+            scattered * (by_v - delta * known.k_coth) - delta * direct,
+        )
+    }
+
     /// `(A, B)` in the table and beyond its thick end.
     fn inside(&self, delta: f64) -> (f64, f64) {
         let (first, weights, _) = cubic((delta.ln().min(THICK) - THIN) * PER_LN);

@@ -3,7 +3,7 @@
 use umbrage::leaf::files::MapFormat;
 use umbrage::leaf::fit::{
     Channel, FLOOR, FitInput, FitOptions, Fitted, PaperFailure, SideImages, Slab, clamp,
-    exact_thickness, fit, invert, paper_iteration, paper_thickness, solve,
+    exact_thickness, fit, invert, paper_iteration, paper_thickness, searched_thickness, solve,
 };
 use umbrage::leaf::slab_table::{Share, SlabTable};
 use umbrage::leaf::species::{LeafSpecies, SPECIES};
@@ -158,6 +158,34 @@ fn veins_have_the_known_thickness() {
         // Beyond the bracket: its ends.
         assert!((exact_thickness(&[channel(1e-9)]) - 4.0).abs() < 1e-6);
         assert!((exact_thickness(&[channel(2.0)]) + 0.95).abs() < 1e-6);
+    }
+}
+
+/// The fast search of the thickness against the slow one, for texels that no thickness explains.
+#[test]
+fn two_searches_find_one_thickness() {
+    let leaf = LeafSpecies::parse("maple").unwrap().plain();
+    let columns = [0, 1, 2].map(|c| SlabTable::shared().at(leaf.upper.omega(c)));
+    let mean = [0.0984, 0.1361, 0.0146];
+    let cost = |channels: &[Channel<'_>], d: f64| -> f64 {
+        let term = |c: &Channel<'_>| {
+            let t = c.column.share(c.delta * (1.0 + d)).t;
+            ((t - c.measured) / c.mean.max(0.02)).powi(2)
+        };
+        channels.iter().map(term).sum()
+    };
+    for i in 0..1000u32 {
+        let channels: Vec<Channel<'_>> = (0..3)
+            .map(|c| Channel {
+                column: &columns[c],
+                delta: leaf.upper.sigma_t(c) * leaf.thickness_mm,
+                mean: mean[c],
+                measured: mean[c] * (6.0 * (uniform(9, 3 * i + c as u32) - 0.6)).exp2(),
+            })
+            .collect();
+        let fast = cost(&channels, exact_thickness(&channels));
+        let slow = cost(&channels, searched_thickness(&channels));
+        assert!(fast <= slow * (1.0 + 1e-6) + 1e-9, "{i}: {fast} {slow}");
     }
 }
 
@@ -338,6 +366,18 @@ fn the_papers_fit_is_worse_and_says_so() {
     );
     assert_eq!(exact.residuals[0].without_thickness, 0);
     assert!(paper.residuals[0].without_thickness > 0);
+    assert_eq!(exact.residuals[0].iteration_failures, [0; 3]);
+    let failures: usize = paper.residuals[0].iteration_failures.iter().sum();
+    println!(
+        "iteration: {:?} of {}",
+        paper.residuals[0].iteration_failures,
+        3 * paper.texels
+    );
+    assert!(
+        failures > paper.texels / 2,
+        "{failures} of {}",
+        paper.texels
+    );
 }
 
 #[test]

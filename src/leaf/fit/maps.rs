@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::newton::{clamp, invert};
+use super::newton::{Slab, clamp, invert};
+use super::paper::paper_iteration;
 use super::thickness::{Channel, exact_thickness, paper_thickness};
 use crate::leaf::appearance::{Face, LeafMaterial, Mode, Side};
 use crate::leaf::maps::SideMaps;
@@ -83,6 +84,9 @@ pub struct Residual {
     pub limited: usize,
     /// Texels for which the paper's closed form has no thickness in any channel.
     pub without_thickness: usize,
+    /// Channels of texels for which the paper's iteration failed, in the order of
+    /// [`super::PaperFailure`]; Newton's method stepped in. 0 with [`Mode::Exact`].
+    pub iteration_failures: [usize; 3],
 }
 
 /// A leaf and how well it fits.
@@ -211,6 +215,12 @@ impl Progress<'_> {
     }
 }
 
+/// Where the paper's iteration starts.
+const PAPER_START: Slab = Slab {
+    omega: 0.5,
+    delta: 1.0,
+};
+
 /// Texels that one task takes.
 const CHUNK: usize = 1024;
 
@@ -231,6 +241,7 @@ struct Sums {
     transmittance: [f64; 3],
     weight: f64,
     clamped: usize,
+    failures: [usize; 3],
 }
 
 /// A fitted texel.
@@ -268,6 +279,7 @@ impl SideFit<'_> {
         let mut residual = Residual {
             transmittance: vec![[0.0; 3]; maps.len()],
             clamped: sums.clamped,
+            iteration_failures: sums.failures,
             ..Residual::default()
         };
         for (&i, fit) in self.leaf.iter().zip(fits.into_iter().flatten()) {
@@ -310,6 +322,7 @@ impl SideFit<'_> {
             }
             all.weight += part.weight;
             all.clamped += part.clamped;
+            (0..3).for_each(|k| all.failures[k] += part.failures[k]);
             all
         })
     }
@@ -323,7 +336,16 @@ impl SideFit<'_> {
                 f64::from(self.input.transmittance[i][c]),
             );
             moved |= outside;
-            let slab = invert(share);
+            let slab = match self.options.mode {
+                Mode::Exact => invert(share),
+                Mode::Paper => paper_iteration(share, PAPER_START).map_or_else(
+                    |failure| {
+                        sums.failures[failure as usize] += 1;
+                        invert(share)
+                    },
+                    |(slab, _)| slab,
+                ),
+            };
             sums.absorption[c] += w * (1.0 - slab.omega) * slab.delta;
             sums.scattering[c] += w * slab.omega * slab.delta;
             sums.transmittance[c] += w * share.t;

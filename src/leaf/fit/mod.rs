@@ -8,4 +8,4 @@ mod thickness;
 pub use maps::{FitInput, FitOptions, Fitted, Residual, SideImages, fit};
 pub use newton::{FLOOR, Slab, Solution, clamp, invert, solve};
 pub use paper::{PaperFailure, paper_iteration};
-pub use thickness::{Channel, exact_thickness, paper_thickness};
+pub use thickness::{Channel, exact_thickness, paper_thickness, searched_thickness};

@@ -24,9 +24,9 @@ pub enum PaperFailure {
 impl std::fmt::Display for PaperFailure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::AlbedoAboveOne => "the frozen A asks for an albedo above 1",
-            Self::NoThickness => "the frozen B transmits more than was measured",
-            Self::Slow => "it has not settled",
+            Self::AlbedoAboveOne => "asked for an albedo above 1",
+            Self::NoThickness => "transmit too little for the frozen B",
+            Self::Slow => "did not settle",
         })
     }
 }

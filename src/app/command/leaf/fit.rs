@@ -12,7 +12,7 @@ use crate::app::output::PendingFile;
 use crate::app::report::Table;
 use crate::app::{Report, console};
 use crate::leaf::Face;
-use crate::leaf::fit::{self, FitInput, FitOptions, Fitted, SideImages};
+use crate::leaf::fit::{self, FitInput, FitOptions, Fitted, PaperFailure, SideImages};
 use crate::scene::float_image::{FloatImage, Transfer};
 use crate::scene::textures::encode_png;
 use crate::{Error, Result};
@@ -169,7 +169,8 @@ fn report(args: &FitArgs, fitted: &Fitted, files: &[String], seconds: f64) -> Re
         ]);
         sides.push(json!({
             "side": face.name(), "clamped": residual.clamped, "limited": residual.limited,
-            "without_thickness": residual.without_thickness, "rms_transmittance": residual.rms,
+            "without_thickness": residual.without_thickness,
+            "iteration_failures": residual.iteration_failures, "rms_transmittance": residual.rms,
         }));
     }
     let mut text = format!(
@@ -178,6 +179,19 @@ fn report(args: &FitArgs, fitted: &Fitted, files: &[String], seconds: f64) -> Re
         fitted.texels
     );
     for face in Face::ALL {
+        let [above, none, slow] = fitted.residual(face).iteration_failures;
+        if above + none + slow > 0 {
+            text += &format!(
+                "{}: the paper's iteration failed for {} of {} colours: {above} {}, {none} {}, \
+                 {slow} {}\n",
+                face.name(),
+                above + none + slow,
+                3 * fitted.texels,
+                PaperFailure::AlbedoAboveOne,
+                PaperFailure::NoThickness,
+                PaperFailure::Slow,
+            );
+        }
         let lost = fitted.residual(face).without_thickness;
         if lost > 0 {
             text += &format!(
