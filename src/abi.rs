@@ -67,18 +67,28 @@ mod foliage;
 mod gpu;
 #[path = "abi/leaf.rs"]
 mod leaf;
+#[path = "abi/light.rs"]
+mod light;
 #[path = "abi/render.rs"]
 mod render;
 
 pub use foliage::*;
 pub use gpu::*;
 pub use leaf::*;
+pub use light::*;
 pub use render::*;
 
 /// The GLSL text of every shared constant and struct.
 #[must_use]
 pub fn glsl() -> String {
-    let parts = [gpu::glsl(), foliage::glsl(), leaf::glsl(), render::glsl()].concat();
+    let parts = [
+        gpu::glsl(),
+        foliage::glsl(),
+        leaf::glsl(),
+        light::glsl(),
+        render::glsl(),
+    ]
+    .concat();
     format!("#ifndef ABI_GLSL\n#define ABI_GLSL\n{parts}#endif\n")
 }
 
@@ -89,6 +99,7 @@ pub fn layouts() -> Vec<StructLayout> {
         gpu::layouts(),
         foliage::layouts(),
         leaf::layouts(),
+        light::layouts(),
         render::layouts(),
     ]
     .concat()

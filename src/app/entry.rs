@@ -52,6 +52,7 @@ fn dispatch(context: &Context, command: &Command) -> Result<Report> {
         Command::Render(args) => command::render::run(context, args),
         Command::Bake(args) => command::bake::run(context, args),
         Command::Surface(args) => command::surface::run(context, args),
+        Command::Light(args) => command::light::run(context, args),
         Command::Grow(args) => command::grow::run(context, args),
         Command::Bench(args) => command::bench::run(context, args),
         Command::Conform(args) => command::conform::run(context, args),

@@ -9,6 +9,7 @@ pub mod conform;
 pub mod console;
 pub mod context;
 pub mod input;
+pub mod lit;
 pub mod output;
 pub mod prepared;
 pub mod report;

@@ -27,6 +27,8 @@ pub enum Format {
     Rg32Float,
     /// Four 32-bit floats.
     Rgba32Float,
+    /// Four 32-bit integers.
+    Rgba32Uint,
     /// 16-bit depth.
     Depth16,
     /// 32-bit float depth.
@@ -43,7 +45,7 @@ impl Format {
             Self::Rgba8Unorm | Self::Rgba8Srgb | Self::Rg16Snorm | Self::Rg16Float => 4,
             Self::R32Float | Self::R32Uint | Self::Depth32 => 4,
             Self::Rgba16Float | Self::Rg32Float => 8,
-            Self::Rgba32Float => 16,
+            Self::Rgba32Float | Self::Rgba32Uint => 16,
         }
     }
 
@@ -66,6 +68,7 @@ impl Format {
             Self::R32Uint => vk::Format::R32_UINT,
             Self::Rg32Float => vk::Format::R32G32_SFLOAT,
             Self::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
+            Self::Rgba32Uint => vk::Format::R32G32B32A32_UINT,
             Self::Depth16 => vk::Format::D16_UNORM,
             Self::Depth32 => vk::Format::D32_SFLOAT,
         }

@@ -1,19 +1,39 @@
 //! Leaves: their appearance and their light.
 //!
 //! After L. Wang, W. Wang, J. Dorsey, X. Yang, B. Guo, H.-Y. Shum 2005, Real-Time Rendering of
-//! Plant Leaves. `docs/leaf.md` has the equations of the appearance and what was decided where
-//! the paper is silent.
+//! Plant Leaves. `docs/leaf.md` has the equations of the appearance, `docs/light.md` those of the
+//! light, and both what was decided where the paper is silent.
 
 pub mod appearance;
+pub mod checkpoint;
+pub mod cutouts;
+pub mod directions;
 pub mod edit;
+pub mod environment;
 pub mod files;
+pub mod film;
 pub mod fit;
 pub mod glossy;
 pub mod import;
+pub mod light;
+pub mod light_file;
+pub mod lit;
+pub mod lod;
+pub mod lvc;
 pub mod maps;
+pub mod optics;
 pub mod picture;
+pub mod prt;
+pub mod radiance_map;
+pub mod rays;
+pub mod receivers;
+pub mod refine;
+pub mod runs;
+pub mod sky;
 pub mod slab_table;
 pub mod species;
+pub mod trace;
+pub mod truth;
 pub mod venation;
 
 pub use appearance::{Face, LeafMaterial, Mode, Sampler, Side, SideOptics};

@@ -33,30 +33,45 @@ pub struct Hit {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Node {
-    min: Vec3,
-    max: Vec3,
+pub(super) struct Node {
+    pub(super) min: Vec3,
+    pub(super) max: Vec3,
     /// Leaf: first entry of `order`; otherwise the first of two adjacent children.
-    first: u32,
+    pub(super) first: u32,
     /// Triangles of a leaf; 0 for an inner node.
-    count: u32,
+    pub(super) count: u32,
 }
 
 /// Hierarchy over indexed triangles.
 #[derive(Debug, Clone)]
 pub struct Bvh {
-    nodes: Vec<Node>,
+    pub(super) nodes: Vec<Node>,
     /// Original triangle number of each stored triangle.
-    order: Vec<u32>,
+    pub(super) order: Vec<u32>,
     /// Corners in the order of `order`, so that a leaf reads adjacent memory.
     corners: Vec<[Vec3; 3]>,
 }
 
-const LEAF_SIZE: usize = 4;
 const BINS: usize = 16;
-/// Splits below this depth halve the range, which bounds the traversal stack.
-const SAH_DEPTH: usize = 40;
 const STACK: usize = 80;
+
+/// Where splitting ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Triangles of a leaf at most.
+    pub(super) leaf_size: usize,
+    /// Splits below this depth halve the range, which bounds the traversal stack.
+    pub(super) sah_depth: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            leaf_size: 4,
+            sah_depth: 40,
+        }
+    }
+}
 
 #[derive(Clone, Copy)]
 struct Bounds {
@@ -92,6 +107,10 @@ impl Bvh {
     /// A hierarchy over the triangles of `indices`.
     #[must_use]
     pub fn new(positions: &[Vec3], indices: &[u32]) -> Self {
+        Self::with_limits(positions, indices, Limits::default())
+    }
+
+    pub(super) fn with_limits(positions: &[Vec3], indices: &[u32], limits: Limits) -> Self {
         let triangles: Vec<[Vec3; 3]> = indices
             .chunks_exact(3)
             .map(|t| [t[0], t[1], t[2]].map(|i| positions[i as usize]))
@@ -110,7 +129,7 @@ impl Bvh {
             nodes.push(leaf(&boxes, &order, 0));
             let mut open = vec![(0usize, 0usize)];
             while let Some((node, depth)) = open.pop() {
-                if let Some(children) = split(&boxes, &mut order, nodes[node], depth) {
+                if let Some(children) = split(&boxes, &mut order, nodes[node], (depth, limits)) {
                     let first = nodes.len();
                     nodes.extend(children);
                     nodes[node].first = u32::try_from(first).expect("fewer than 2^32 nodes");
@@ -232,7 +251,12 @@ fn leaf(boxes: &[Bounds], range: &[u32], first: usize) -> Node {
 }
 
 /// Children of a leaf, or `None` where splitting does not pay.
-fn split(boxes: &[Bounds], order: &mut [u32], node: Node, depth: usize) -> Option<[Node; 2]> {
+fn split(
+    boxes: &[Bounds],
+    order: &mut [u32],
+    node: Node,
+    (depth, limits): (usize, Limits),
+) -> Option<[Node; 2]> {
     let first = node.first as usize;
     let range = &mut order[first..first + node.count as usize];
     if range.len() <= 1 {
@@ -243,20 +267,20 @@ fn split(boxes: &[Bounds], order: &mut [u32], node: Node, depth: usize) -> Optio
         b.join(Bounds { min: c, max: c })
     });
     let axis = (centres.max - centres.min).max_position();
-    let plane = (depth < SAH_DEPTH)
+    let plane = (depth < limits.sah_depth)
         .then(|| best_plane(boxes, range, centres, axis))
         .flatten();
     let middle = match plane {
         Some((cost, plane)) => {
             let keep = range.len() as f32 * leaf_area(&node);
-            if range.len() <= LEAF_SIZE && cost + leaf_area(&node) >= keep {
+            if range.len() <= limits.leaf_size && cost + leaf_area(&node) >= keep {
                 return None;
             }
             partition(range, |&i| {
                 bin_of(boxes[i as usize], centres, axis) <= plane
             })
         }
-        None if range.len() <= LEAF_SIZE => return None,
+        None if range.len() <= limits.leaf_size => return None,
         None => {
             let half = range.len() / 2;
             range.select_nth_unstable_by(half, |&a, &b| {

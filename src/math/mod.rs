@@ -6,6 +6,8 @@ pub mod kd_tree;
 pub mod marching_cubes_table;
 pub mod packing;
 pub mod sampling;
+pub mod sh;
 pub mod slab;
 pub mod special;
 pub mod stats;
+pub mod wide_bvh;

@@ -19,6 +19,37 @@ pub fn uniform(seed: u32, index: u32) -> f64 {
     f64::from(pcg(index ^ pcg(seed))) / 4_294_967_296.0
 }
 
+/// 24 bits in \[0,1): the same number in f32 and f64. The shaders' `unit_interval`.
+#[must_use]
+pub fn unit_interval(bits: u32) -> f64 {
+    f64::from(bits >> 8) / 16_777_216.0
+}
+
+/// Key of a path: what is sampled, the number of the sample, the seed. The shaders' `path_key`.
+#[must_use]
+pub const fn path_key(receiver: u32, path_sample: u32, seed: u32) -> u32 {
+    pcg(path_sample ^ pcg(receiver ^ pcg(seed)))
+}
+
+/// Number `counter` of the path `key`. The shaders' `random`.
+#[must_use]
+pub fn random(key: u32, counter: u32) -> f64 {
+    unit_interval(pcg(key ^ pcg(counter)))
+}
+
+/// Number `path_sample` of a sequence that fills the unit cube evenly (Roberts 2018: R3), shifted
+/// by what is sampled. The shaders' `even_numbers`.
+#[must_use]
+pub fn even_numbers(receiver: u32, path_sample: u32, seed: u32) -> [f64; 3] {
+    let shift = pcg(receiver ^ pcg(seed));
+    let shifts = [shift, pcg(shift), pcg(shift.wrapping_add(1))];
+    // 2^32 / g, / g^2 and / g^3 with g = 1.2207440846.
+    let steps = [3_518_319_155_u32, 2_882_110_345, 2_360_945_575];
+    std::array::from_fn(|k| {
+        unit_interval(path_sample.wrapping_mul(steps[k]).wrapping_add(shifts[k]))
+    })
+}
+
 /// Point `index` of `count` of the Fibonacci sphere: nearly equal areas, no clustering at the
 /// poles (Swinbank and Purser 2006, Fibonacci grids). The pole of the set is +z.
 #[must_use]

@@ -29,6 +29,8 @@ mod leaf_fit;
 mod leaf_glossy;
 mod leaf_gpu;
 mod leaf_slab;
+mod light_picture;
+mod light_rays;
 mod model_fixture;
 mod models;
 mod models_damage;

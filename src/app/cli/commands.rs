@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::chosen::Chosen;
+use super::light::LitArgs;
 use super::tables::{ExportTable, FoliageTable, PictureTable};
 use crate::app::input::Source;
 use crate::render::View;
@@ -77,6 +78,9 @@ pub struct RenderArgs {
         conflicts_with = "view"
     )]
     pub compare: Vec<View>,
+    /// Light of leaves.
+    #[command(flatten)]
+    pub lit: LitArgs,
     /// Settings of the picture.
     #[command(flatten)]
     pub picture: Chosen<PictureTable>,
@@ -93,7 +97,9 @@ Examples:
   umbrage render oak.glb ash.glb pine.glb -o trees.jpg --compare standard,textured
   umbrage render oak.glb -o oak.png --camera 40,12 --sun -60,30 --normals vertex
   umbrage render Tree_3.obj -o tree.png --texture Tree_Bark=bark.jpg
-  umbrage render wood.toml -o wood.png --timings";
+  umbrage render wood.toml -o wood.png --timings
+  umbrage render oak.glb -o oak.png --lighting leaf --light oak.light
+  umbrage render oak.glb -o sheet.png --lighting prt,leaf,truth --light oak.light";
 }
 
 /// Arguments of `bake`.
@@ -252,6 +258,8 @@ pub enum BenchWhat {
     Bake,
     /// One frame.
     Render,
+    /// Rays from the leaves into all directions.
+    Rays,
 }
 
 impl BenchArgs {
@@ -259,7 +267,8 @@ impl BenchArgs {
 Examples:
   umbrage bench bake oak.glb
   umbrage bench bake oak.glb --normals vertex --cells 96 --json
-  umbrage bench render oak.glb --size 800x600 -n 20";
+  umbrage bench render oak.glb --size 800x600 -n 20
+  umbrage bench rays oak.glb";
 }
 
 /// Arguments of `conform`.

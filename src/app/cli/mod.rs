@@ -4,6 +4,7 @@ pub mod chosen;
 pub mod commands;
 pub mod global;
 pub mod leaf;
+pub mod light;
 pub mod tables;
 
 use clap::{Parser, Subcommand};
@@ -14,6 +15,7 @@ pub use commands::{
 };
 pub use global::GlobalArgs;
 pub use leaf::LeafArgs;
+pub use light::LightArgs;
 
 use super::tradeoff::TradeoffArgs;
 
@@ -53,6 +55,9 @@ pub enum Command {
     /// Write the implicit surface around the foliage as a mesh
     #[command(after_help = SurfaceArgs::EXAMPLES)]
     Surface(Box<SurfaceArgs>),
+    /// Precompute the light of leaves: sky, light between leaves, soft shadows of the sun
+    #[command(after_help = LightArgs::EXAMPLES)]
+    Light(Box<LightArgs>),
     /// Grow a plant and write it as a model
     #[command(after_help = GrowArgs::EXAMPLES)]
     Grow(GrowArgs),

@@ -20,6 +20,9 @@ use crate::render::{Plan, Renderer};
 /// # Errors
 /// Wrong input or settings, a failing device.
 pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
+    if args.what == BenchWhat::Rays {
+        return super::bench_rays::run(context, args);
+    }
     let mut stages = Timings::default();
     let model = &args.input.model;
     let prepared = Prepared::new(
@@ -32,6 +35,7 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
     let measured = match args.what {
         BenchWhat::Bake => bench_bake(context, args, &prepared, &mut stages)?,
         BenchWhat::Render => bench_render(context, args, &prepared, &mut stages)?,
+        BenchWhat::Rays => unreachable!("has a command of its own"),
     };
     Ok(report(
         args,
@@ -154,6 +158,7 @@ fn report(
     let what = match args.what {
         BenchWhat::Bake => "bake",
         BenchWhat::Render => "render",
+        BenchWhat::Rays => "rays",
     };
     let text = format!(
         "{what} of {}: {vertices} vertices, {triangles} triangles, {} on the device\n\

@@ -2,10 +2,13 @@
 
 pub mod bake;
 pub mod bench;
+pub mod bench_rays;
 pub mod conform;
 pub mod grow;
 pub mod info;
 pub mod leaf;
+pub mod light;
 pub mod render;
+pub mod render_lit;
 pub mod settings;
 pub mod surface;

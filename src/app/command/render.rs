@@ -20,6 +20,9 @@ use crate::render::{self, Baked, FieldGrid, Picture, Plan, Renderer, Subject, Su
 /// # Errors
 /// Wrong input or settings, an unwritable output, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
+    if !args.lit.lighting.is_empty() {
+        return super::render_lit::run(context, args);
+    }
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &["png", "jpg", "jpeg"])?;
     for source in &args.inputs {
@@ -158,7 +161,7 @@ pub(super) fn subject<'a>(prepared: &'a Prepared, bake: Option<&'a Bake>) -> Sub
 }
 
 /// PNG, or JPEG where the name says so.
-fn encode(picture: &Picture, path: &Path) -> Result<Vec<u8>> {
+pub(super) fn encode(picture: &Picture, path: &Path) -> Result<Vec<u8>> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension == "jpg" || extension == "jpeg" {
         picture.to_jpeg()

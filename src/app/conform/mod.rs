@@ -10,6 +10,7 @@ mod foliage_subset;
 mod foliage_surface;
 mod gpu;
 mod leaf;
+mod light;
 mod render;
 mod skylight;
 
@@ -89,5 +90,6 @@ pub fn cases() -> Vec<Case> {
     cases.extend(skylight::cases());
     cases.extend(leaf::cases());
     cases.extend(render::cases());
+    cases.extend(light::cases());
     cases
 }

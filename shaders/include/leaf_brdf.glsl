@@ -1,0 +1,27 @@
+#ifndef LEAF_BRDF_GLSL
+#define LEAF_BRDF_GLSL
+
+const float LEAF_PI = 3.14159265358979;
+
+// Beckmann's distribution of slopes over cos^4: cos_h to the normal, m the root mean square
+// slope times the square root of 2.
+float slope_distribution(float cos_h, float m) {
+    float c2 = max(cos_h * cos_h, 1e-8);
+    return exp((1.0 - 1.0 / c2) / (m * m)) / (LEAF_PI * m * m * c2 * c2);
+}
+
+// Light scattered towards `to_eye` from `to_light`, times the cosine of the light (Wang et al. 2005,
+// equations 1 and 7): reflection where both are on one side of the leaf, transmission otherwise.
+// `normal` is that of the front; 1 / cos of the glossy term cancels that of the light.
+vec3 leaf_scatters(LeafSides leaf, vec4 gloss, vec3 normal, vec3 to_light, vec3 to_eye) {
+    float light = dot(normal, to_light);
+    float eye = dot(normal, to_eye);
+    vec3 through = leaf.rho_t * (abs(light) / LEAF_PI);
+    vec3 rho_d = eye > 0.0 ? leaf.rho_d_front : leaf.rho_d_back;
+    vec3 middle = to_light + to_eye;
+    float cos_h = abs(dot(normal, middle)) * inversesqrt(max(dot(middle, middle), 1e-12));
+    vec3 shine = gloss.xyz * (slope_distribution(cos_h, gloss.w) / (4.0 * max(abs(eye), 1e-3)));
+    return light * eye > 0.0 ? rho_d * (abs(light) / LEAF_PI) + shine : through;
+}
+
+#endif

@@ -1,0 +1,230 @@
+//! What the kernels that trace rays and gather light share with the host.
+
+use bytemuck::{Pod, Zeroable};
+
+use super::StructLayout;
+use super::glsl_text::{GlslLiteral, GlslType};
+
+impl GlslType for PrtBatch {
+    const GLSL: &'static str = "PrtBatch";
+}
+
+abi! {
+    constants {
+        /// Bits of a texel's number that select its column in the images of `rays.glsl`.
+        RAY_COLUMN_BITS: u32 = 10;
+        /// Texels of a node of the hierarchy.
+        RAY_NODE_TEXELS: u32 = 5;
+        /// Texels of a triangle: three corners.
+        RAY_TRIANGLE_TEXELS: u32 = 3;
+        /// Texels of a triangle in scenes with cutouts: texture coordinates too.
+        RAY_MASKED_TEXELS: u32 = 5;
+        /// Groups of nodes that wait for a ray at most; the host builds no deeper hierarchy.
+        RAY_STACK: u32 = 24;
+        /// Words of the state of an unfinished invocation.
+        RAY_STATE: u32 = 57;
+        /// Number of no triangle.
+        RAY_NOTHING: u32 = 0xffff_ffff;
+        /// Largest reciprocal of a component of a direction.
+        RAY_STEEP: f32 = 1e18;
+        /// Triangles taken in one round of the loop: 1 or 2.
+        RAY_TRIANGLES_PER_ROUND: u32 = 2;
+        /// Rays of one invocation at most: `any_hit.comp` has a bit for each.
+        RAY_PLACES: u32 = 32;
+        /// Wrap modes of cutouts, in the order of `scene::Wrap`.
+        CUTOUT_REPEAT: u32 = 0;
+        /// Clamps to the edge.
+        CUTOUT_CLAMP: u32 = 1;
+        /// `t_max` of a ray without end.
+        RAY_FAR: f32 = 1e30;
+        /// Coefficients of a transfer vector: bands 0 to 4.
+        PRT_COEFFICIENTS: u32 = 25;
+        /// State of a path whose ray is to be traced.
+        PATH_ALIVE: f32 = -1.0;
+        /// State of a path that was absorbed; others hold the bounce at which they escaped.
+        PATH_ENDED: f32 = -2.0;
+    }
+    structs {
+        /// Push constants of `leaf/any_hit.comp` and `leaf/nearest_hit.comp`.
+        TraceRays {
+            /// Rays.
+            count: u32,
+            /// Invocations; each takes every `invocations`-th ray.
+            invocations: u32,
+            /// Rays of an invocation.
+            places: u32,
+            /// Rounds of the loop that an invocation may take in this dispatch.
+            rounds: u32,
+            /// Whether an earlier dispatch has left its states.
+            continues: u32,
+        }
+
+        /// Where light is gathered: a vertex, drawn a little into one of its faces.
+        Receiver {
+            /// In units of the diagonal.
+            position: [f32; 3],
+            /// Its `LeafSides`.
+            material: u32,
+            /// Unit shading normal of the front.
+            normal: [f32; 3],
+            /// Unit normal of the face.
+            facing: [f32; 3],
+        }
+
+        /// What the two sides of a leaf make of light, per channel.
+        LeafSides {
+            /// Diffuse reflectance of the front.
+            rho_d_front: [f32; 3],
+            /// Diffuse reflectance of the back.
+            rho_d_back: [f32; 3],
+            /// Diffuse transmittance, either way.
+            rho_t: [f32; 3],
+        }
+
+        /// Push constants of `leaf/prt_start.comp` and `leaf/prt_gather.comp`.
+        PrtBatch {
+            /// First receiver.
+            first_receiver: u32,
+            /// Two for each receiver of the batch.
+            sides: u32,
+            /// Number of the first sample.
+            first_sample: u32,
+            /// Samples of each side.
+            samples: u32,
+            /// Seed of the random numbers.
+            seed: u32,
+            /// A ray starts so far from its surface, in units of the diagonal.
+            offset: f32,
+        }
+
+        /// Push constants of `leaf/prt_bounce.comp`.
+        PrtBounce {
+            /// The batch.
+            batch: PrtBatch,
+            /// Number of the rays just traced.
+            bounce: u32,
+            /// Whether no path goes on.
+            last: u32,
+            /// Chance of going on, in albedos of what was met.
+            survival: f32,
+        }
+
+        /// Push constants of `leaf/lvc_rays.comp` and `leaf/lvc_count.comp`.
+        LvcBatch {
+            /// Pairs of a direction and a receiver.
+            items: u32,
+            /// Number of the first sample.
+            first_sample: u32,
+            /// Samples of this batch.
+            samples: u32,
+            /// Samples that cover the disc.
+            all_samples: u32,
+            /// Sine of the disc's angular radius.
+            sin_radius: f32,
+            /// A ray starts so far from its surface, in units of the diagonal.
+            offset: f32,
+            /// Invocations of the trace.
+            invocations: u32,
+        }
+
+        // ---- pictures ----
+
+        /// What is the same for a path-traced picture. Positions in units of the diagonal.
+        TruthFrame {
+            /// Camera.
+            eye: [f32; 3],
+            /// Pixels across.
+            width: u32,
+            /// Unit direction of view.
+            forward: [f32; 3],
+            /// Pixels down.
+            height: u32,
+            /// Half the picture's width at distance 1.
+            right: [f32; 3],
+            /// Seed of the random numbers.
+            seed: u32,
+            /// Half the picture's height at distance 1.
+            up: [f32; 3],
+            /// A ray starts so far from its surface.
+            offset: f32,
+            /// Unit vector to the sun.
+            sun: [f32; 3],
+            /// Sine of its angular radius.
+            sin_radius: f32,
+            /// Its irradiance on a surface that faces it.
+            irradiance: [f32; 3],
+        }
+
+        /// A path of light, followed from the camera.
+        TruthPath {
+            /// What light at its end counts.
+            weight: [f32; 3],
+            /// `PATH_ALIVE` or `PATH_ENDED`.
+            alive: f32,
+            /// Light of the sun that waits for its ray.
+            pending: [f32; 3],
+            /// 1 where the camera's ray met the model.
+            covered: f32,
+            /// Sun on what the camera sees.
+            direct: [f32; 3],
+            /// Sun over other leaves.
+            indirect: [f32; 3],
+            /// Sky.
+            sky: [f32; 3],
+        }
+
+        /// Push constants of `leaf/truth_*.comp`.
+        TruthBatch {
+            /// First pixel.
+            first_pixel: u32,
+            /// Pixels.
+            pixels: u32,
+            /// Number of the first sample.
+            first_sample: u32,
+            /// Samples of each pixel.
+            samples: u32,
+            /// Number of the rays just traced.
+            bounce: u32,
+            /// Whether no path goes on.
+            last: u32,
+            /// Invocations of the trace of the sun's rays.
+            invocations: u32,
+        }
+
+        /// What is the same for a picture in two passes. Positions relative, metres.
+        LitFrame {
+            /// Relative position to clip, depth reversed.
+            relative_to_clip: [[f32; 4]; 4],
+            /// Unit direction of view.
+            forward: [f32; 3],
+            /// Pixels across.
+            width: u32,
+            /// Half the picture's width at distance 1.
+            right: [f32; 3],
+            /// Pixels down.
+            height: u32,
+            /// Half the picture's height at distance 1.
+            up: [f32; 3],
+            /// Unit vector to the sun.
+            sun: [f32; 3],
+            /// Its irradiance on a surface that faces it.
+            irradiance: [f32; 3],
+        }
+
+        /// Push constants of `leaf/lit.{vert,frag}`: one part of the model.
+        LitDraw {
+            /// Map of the texture coordinates, first row.
+            texcoord_u: [f32; 3],
+            /// Second row.
+            texcoord_v: [f32; 3],
+            /// 1 / mean of the texture.
+            tint: [f32; 3],
+            /// Factor on the texture's alpha.
+            alpha: f32,
+            /// Fragments of less alpha are cut away.
+            cutoff: f32,
+            /// Number of the material.
+            material: u32,
+        }
+    }
+}

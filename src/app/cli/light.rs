@@ -1,0 +1,290 @@
+//! Arguments of `light`, and of pictures lit by it.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::commands::InputArgs;
+use crate::Result;
+use crate::leaf::optics::Optics;
+use crate::leaf::{LeafMaterial, LeafSpecies, files};
+
+/// Three numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Triple(pub [f64; 3]);
+
+impl std::str::FromStr for Triple {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let numbers: Option<Vec<f64>> = text
+            .split(',')
+            .map(|n| n.trim().parse().ok().filter(|v: &f64| v.is_finite()))
+            .collect();
+        match numbers.as_deref() {
+            Some(&[v]) => Ok(Self([v; 3])),
+            Some(&[a, b, c]) => Ok(Self([a, b, c])),
+            _ => Err("expected R,G,B or one number".into()),
+        }
+    }
+}
+
+/// Which axis of the model points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Up {
+    /// +y, as in glTF.
+    Y,
+    /// +z.
+    Z,
+}
+
+/// What leaves make of light, where the model does not say it.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Leaves")]
+pub struct OpticsArgs {
+    /// Axis of the model that points up
+    #[arg(long, default_value = "y")]
+    pub up: Up,
+    /// The leaf: a measured species (`umbrage leaf species` lists them) or a leaf file (TOML)
+    #[arg(long, value_name = "SPECIES|FILE")]
+    pub leaf: Option<String>,
+    /// Diffuse reflectance of the upper side, 0 to 1 per channel
+    #[arg(long, value_name = "R,G,B")]
+    pub reflectance: Option<Triple>,
+    /// Diffuse reflectance of the lower side [default: that of the upper side]
+    #[arg(long, value_name = "R,G,B")]
+    pub reflectance_below: Option<Triple>,
+    /// Diffuse transmittance, 0 to 1 per channel
+    #[arg(long, value_name = "R,G,B")]
+    pub transmittance: Option<Triple>,
+    /// Specular intensity `rho_s`, 0 to 1 per channel
+    #[arg(long, value_name = "R,G,B")]
+    pub gloss: Option<Triple>,
+    /// Roughness m of the specular term, 0.001 to 1
+    #[arg(long, value_name = "M")]
+    pub roughness: Option<f64>,
+}
+
+impl OpticsArgs {
+    /// The leaf that was named.
+    ///
+    /// # Errors
+    /// No such species, or a wrong file.
+    pub fn leaf(&self) -> Result<Option<LeafMaterial>> {
+        let Some(name) = &self.leaf else {
+            return Ok(None);
+        };
+        let path = std::path::Path::new(name);
+        if path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+        {
+            return files::read(path).map(Some);
+        }
+        Ok(Some(LeafSpecies::parse(name)?.plain()))
+    }
+
+    /// Replaces what was told.
+    pub fn apply(&self, optics: &mut Optics) {
+        let rgb = |t: Triple| t.0.map(|v| v as f32);
+        if let Some(upper) = self.reflectance {
+            optics.rho_d_front = rgb(upper);
+            optics.rho_d_back = rgb(upper);
+        }
+        if let Some(lower) = self.reflectance_below {
+            optics.rho_d_back = rgb(lower);
+        }
+        if let Some(through) = self.transmittance {
+            optics.rho_t = rgb(through);
+        }
+        if let Some(gloss) = self.gloss {
+            optics.rho_s = rgb(gloss);
+        }
+        if let Some(m) = self.roughness {
+            optics.roughness = (m as f32).clamp(1e-3, 1.0);
+        }
+    }
+}
+
+/// For which directions of the sun visibility is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SunDirections {
+    /// The sun's way over a day.
+    Day,
+    /// A cube map over all directions (Wang et al. 2005 use 32 x 32 x 6).
+    Cube,
+    /// One direction.
+    Sun,
+    /// None.
+    None,
+}
+
+/// Where the sun stands.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Sun")]
+pub struct SunArgs {
+    /// Unit-free vector to the sun, +y up [default: azimuth -28, elevation 50 degrees]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub sun_direction: Option<Triple>,
+    /// Angular radius of the sun, degrees, 0 to 45
+    #[arg(long, value_name = "DEGREES", default_value_t = crate::leaf::lvc::SUN_RADIUS_DEGREES)]
+    pub sun_radius: f64,
+}
+
+/// Arguments of `light`.
+#[derive(Debug, Clone, Args)]
+pub struct LightArgs {
+    /// What is lit.
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Light file to write
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Paths of each side of each vertex; 0 computes no transfer
+    #[arg(long, default_value_t = 1024)]
+    pub paths: u32,
+    /// Bounces of a path at most
+    #[arg(long, default_value_t = 64)]
+    pub bounces: u32,
+    /// How transfer vectors are stored: f32, f16 or 8bit
+    #[arg(long, default_value = "f16")]
+    pub storage: String,
+    /// Distance of the vertices that keep transfer vectors, in diagonals of the model; 0: all do
+    #[arg(long, default_value_t = 0.0)]
+    pub lod: f32,
+    /// For which directions of the sun visibility is computed
+    #[arg(long, default_value = "day")]
+    pub directions: SunDirections,
+    /// Texels along an edge of the cube
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub cube_side: u32,
+    /// Latitude of the day, degrees
+    #[arg(long, default_value_t = 50.0, allow_hyphen_values = true)]
+    pub latitude: f64,
+    /// Day of the year, 1 to 366
+    #[arg(long, default_value_t = 172)]
+    pub day: u32,
+    /// Minutes between two directions of the day
+    #[arg(long, default_value_t = 5.0)]
+    pub minutes: f64,
+    /// Times that every triangle is split into four for the sun's shadows, 0 to 4
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=4))]
+    pub splits: u32,
+    /// Points of the sun's disc, 1 to 255
+    #[arg(long, default_value_t = 16)]
+    pub samples: u32,
+    /// Try all points everywhere; otherwise the four outermost decide where the rest is tried
+    #[arg(long)]
+    pub exhaustive: bool,
+    /// A ray starts so far from its surface, in diagonals of the model
+    #[arg(long, default_value_t = 1e-5)]
+    pub offset: f32,
+    /// Same seed, same result
+    #[arg(long, default_value_t = 1)]
+    pub seed: u32,
+    /// Largest light in memory, bytes; more is refused before the work
+    #[arg(long, default_value_t = 2 << 30)]
+    pub max_bytes: u64,
+    /// Keeps the visibility maps of a light file of the same model: leaves of other optics need
+    /// new transfer vectors only
+    #[arg(long, value_name = "FILE")]
+    pub keep: Option<PathBuf>,
+    /// Go on from what an interrupted run left beside the output
+    #[arg(long)]
+    pub resume: bool,
+    /// Where the sun stands.
+    #[command(flatten)]
+    pub sun: SunArgs,
+    /// What leaves make of light.
+    #[command(flatten)]
+    pub optics: OpticsArgs,
+}
+
+impl LightArgs {
+    pub(super) const EXAMPLES: &str = "\
+Examples:
+  umbrage light oak.glb -o oak.light
+  umbrage light oak.glb -o oak.light --paths 4096 --storage 8bit
+  umbrage light oak.glb -o oak.light --directions cube        every direction of the sun
+  umbrage light oak.glb -o oak.light --latitude 35 --day 80 --minutes 10
+  umbrage light oak.glb -o oak.light --leaf birch --keep old.light
+  umbrage light oak.glb -o oak.light --resume                 go on after Ctrl-C";
+}
+
+/// How leaves are lit in a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Lighting {
+    /// Sky and light between leaves by transfer, the sun by visibility: two passes.
+    Leaf,
+    /// All by transfer.
+    Prt,
+    /// The sun alone, by visibility.
+    Lvc,
+    /// The sun with hard shadows and a constant for the rest.
+    Ambient,
+    /// Path traced.
+    Truth,
+}
+
+/// How `render` lights leaves.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Leaf light")]
+pub struct LitArgs {
+    /// Lights leaves instead of showing a view; several make a sheet and, with truth among them,
+    /// a table of their errors
+    #[arg(long, value_name = "LIGHTING,LIGHTING,..", value_delimiter = ',', conflicts_with_all = ["view", "compare"])]
+    pub lighting: Vec<Lighting>,
+    /// Light file of the model (umbrage light)
+    #[arg(long, value_name = "FILE")]
+    pub light: Option<PathBuf>,
+    /// constant:R,G,B, linear:R,G,B/R,G,B (horizon, and what the zenith has more), clear:TURBIDITY,
+    /// or a panorama (EXR, HDR)
+    #[arg(
+        long,
+        value_name = "SKY",
+        default_value = "linear:0.24,0.27,0.30/0.12,0.135,0.15"
+    )]
+    pub environment: String,
+    /// Irradiance of the sun on a surface that faces it
+    #[arg(
+        long,
+        value_name = "R,G,B",
+        default_value = "3.0,2.85,2.55",
+        allow_hyphen_values = true
+    )]
+    pub sun_irradiance: Triple,
+    /// Bands of the transfer vectors that are used, 1 to 5
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=5))]
+    pub order: u32,
+    /// Strength of the window against ringing on the sun's indirect light
+    #[arg(long, default_value_t = 0.002)]
+    pub window: f64,
+    /// Reads the nearest stored map instead of computing one for the sun's place
+    #[arg(long)]
+    pub stored: bool,
+    /// Blends the stored maps about the sun's place
+    #[arg(long)]
+    pub blended: bool,
+    /// Times that every triangle is split into four for the sun's shadows, 0 to 4 [default: as in
+    /// the light file, or 2]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=4))]
+    pub splits: Option<u32>,
+    /// Pixels drawn for one of the picture, along each axis, 1 to 8
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub supersample: u32,
+    /// Paths through every pixel of the truth
+    #[arg(long, default_value_t = 64)]
+    pub truth_samples: u32,
+    /// Factor on the light [default: the brightest leaves are white]
+    #[arg(long)]
+    pub light_exposure: Option<f32>,
+    /// Compares with pictures of linear light, `PREFIX_full.exr` and `PREFIX_sun_direct.exr`
+    #[arg(long, value_name = "PREFIX")]
+    pub reference: Option<PathBuf>,
+    /// Where the sun stands.
+    #[command(flatten)]
+    pub sun: SunArgs,
+    /// What leaves make of light.
+    #[command(flatten)]
+    pub optics: OpticsArgs,
+}

@@ -1,0 +1,380 @@
+//! `umbrage light`: precomputes sky, light between leaves and soft shadows of the sun.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use serde_json::json;
+
+use crate::app::cli::LightArgs;
+use crate::app::cli::light::SunDirections;
+use crate::app::lit::LitModel;
+use crate::app::output::{PendingFile, write_atomically};
+use crate::app::timing::Timings;
+use crate::app::{Context, Report, console};
+use crate::gpu::Gpu;
+use crate::leaf::checkpoint::{self, Checkpoint};
+use crate::leaf::directions::Directions;
+use crate::leaf::light::{Light, Storage, StoredTransfer, VisibilityMaps};
+use crate::leaf::lod::Lod;
+use crate::leaf::lvc::{Lvc, LvcSettings};
+use crate::leaf::prt::{Prt, PrtSettings, SIDE_FLOATS, Snapshot};
+use crate::leaf::rays::RayScene;
+use crate::leaf::{light_file, runs};
+use crate::render::plan::human_bytes;
+use crate::scene::Sun;
+use crate::{Error, Result};
+
+/// Between two checkpoints.
+const CHECKPOINT: Duration = Duration::from_secs(20);
+
+/// What is to be done.
+struct Job {
+    lit: LitModel,
+    /// Maps of an older file.
+    kept: Option<VisibilityMaps>,
+    storage: Storage,
+    /// Distance of the vertices that keep vectors, metres; 0: all.
+    edge: f32,
+    directions: Option<Directions>,
+    /// Times that triangles are split for visibility.
+    splits: u32,
+    prt: PrtSettings,
+    lvc: LvcSettings,
+}
+
+/// What was done and how long it took.
+#[derive(Default)]
+struct Done {
+    transfer_rays: u64,
+    transfer_seconds: f64,
+    sun_rays: u64,
+    sun_seconds: f64,
+    passes: Timings,
+}
+
+/// Computes the light of a model and writes it.
+///
+/// # Errors
+/// Wrong input or settings, a light over the bound, an unwritable output, a failing device.
+pub fn run(context: &Context, args: &LightArgs) -> Result<Report> {
+    let output = PendingFile::create(&args.output)?;
+    let job = Job::new(args)?;
+    let plan = job.plan(args)?;
+    if !context.json() {
+        console::line(&plan);
+    }
+    let gpu = context.gpu()?;
+    let mut run = Run::new(gpu, args, &job)?;
+    let light = run.compute()?;
+    let bytes = light_file::encode(&light);
+    output.commit(&bytes)?;
+    // Nothing to go on from any more.
+    let _ = std::fs::remove_file(&run.checkpoint);
+    Ok(report(context, args, &light, (bytes.len(), &run.done)))
+}
+
+impl Job {
+    fn new(args: &LightArgs) -> Result<Self> {
+        let storage = Storage::parse(&args.storage)?;
+        let sun = match args.sun.sun_direction {
+            Some(d) => DVec3::from(d.0).try_normalize().ok_or_else(|| {
+                Error::usage("--sun-direction: a vector without length has no direction")
+            })?,
+            None => Sun::default().direction(),
+        };
+        let directions = match args.directions {
+            SunDirections::None => None,
+            SunDirections::Sun => Some(Directions::Path(vec![sun])),
+            SunDirections::Cube => Some(Directions::Cube {
+                side: args.cube_side,
+            }),
+            SunDirections::Day => Some(Directions::day(args.latitude, args.day, args.minutes)?),
+        };
+        let model = &args.input.model;
+        let lit = LitModel::new(
+            &args.input.input,
+            &model.textures,
+            model.foliage.as_deref(),
+            &args.optics,
+        )?;
+        let kept = match &args.keep {
+            Some(path) => light_file::read(path, &lit.key(), lit.vertices())?.visibility,
+            None => None,
+        };
+        Ok(Self {
+            kept,
+            edge: args.lod.max(0.0) * lit.geometry.diagonal(),
+            lit,
+            storage,
+            directions,
+            splits: args.splits,
+            prt: PrtSettings {
+                paths: args.paths,
+                bounces: args.bounces,
+                seed: args.seed,
+                offset: args.offset,
+                ..PrtSettings::default()
+            },
+            lvc: LvcSettings {
+                radius_degrees: args.sun.sun_radius,
+                samples: args.samples,
+                exhaustive: args.exhaustive,
+                offset: args.offset,
+                ..LvcSettings::default()
+            },
+        })
+    }
+
+    /// What will be computed, with sizes and numbers of rays.
+    fn plan(&self, args: &LightArgs) -> Result<String> {
+        let vertices = self.lit.vertices() as u64;
+        let directions = match (&self.kept, &self.directions) {
+            (None, Some(directions)) => directions.all().len() as u64,
+            _ => 0,
+        };
+        let transfer = if self.prt.paths > 0 {
+            8 * vertices * SIDE_FLOATS as u64
+        } else {
+            0
+        };
+        let triangles = self.lit.geometry.indices.len() as u64 / 3;
+        // Three edges a triangle at most, each with a middle, and four times as many every time.
+        let finer = vertices + triangles * (4u64.pow(self.splits) - 1);
+        let maps = finer * directions;
+        let bytes = transfer + maps;
+        if bytes > args.max_bytes {
+            return Err(Error::Unsupported(format!(
+                "{}: the light takes {} in memory, --max-bytes allows {}; try fewer directions",
+                args.input.input,
+                human_bytes(bytes),
+                human_bytes(args.max_bytes)
+            )));
+        }
+        Ok(format!(
+            "{vertices} vertices, {triangles} triangles ({} for rays)\n\
+             transfer: {} paths, {}\n\
+             sun: {directions} directions, at most {finer} vertices, {} rays and more, up to {}",
+            human_bytes(self.lit.occluders.bytes()),
+            2 * vertices * u64::from(self.prt.paths),
+            human_bytes(transfer),
+            maps * u64::from(self.lvc.samples.min(4)),
+            human_bytes(maps),
+        ))
+    }
+
+    /// Hash of everything that the result depends on.
+    fn hash(&self) -> [u8; 32] {
+        let text = format!(
+            "{:?} {:?} {:?} {}",
+            self.prt, self.lvc, self.directions, self.splits
+        );
+        let mut hash = blake3::Hasher::new();
+        hash.update(&self.lit.key());
+        hash.update(&self.lit.optics_key());
+        hash.update(text.as_bytes());
+        *hash.finalize().as_bytes()
+    }
+}
+
+/// A computation that can be interrupted.
+struct Run<'a> {
+    gpu: &'a Gpu,
+    job: &'a Job,
+    scene: RayScene,
+    checkpoint: PathBuf,
+    so_far: Checkpoint,
+    saved: Instant,
+    done: Done,
+}
+
+impl<'a> Run<'a> {
+    fn new(gpu: &'a Gpu, args: &LightArgs, job: &'a Job) -> Result<Self> {
+        let name = args.output.file_name().unwrap_or_default();
+        let checkpoint = args
+            .output
+            .with_file_name(format!("{}.part", name.to_string_lossy()));
+        let hash = job.hash();
+        let mut so_far = Checkpoint {
+            job: hash,
+            transfer: Snapshot {
+                values: Vec::new(),
+                sample: 0,
+                sums: Vec::new(),
+            },
+            maps: Vec::new(),
+        };
+        if args.resume {
+            match std::fs::read(&checkpoint) {
+                Ok(bytes) => {
+                    so_far = checkpoint::decode(&bytes, &hash)
+                        .map_err(|reason| Error::file(&checkpoint, reason))?;
+                }
+                Err(e) => log::warn!("{}: nothing to resume: {e}", checkpoint.display()),
+            }
+        }
+        Ok(Self {
+            gpu,
+            job,
+            scene: RayScene::new(gpu, &job.lit.occluders)?,
+            checkpoint,
+            so_far,
+            saved: Instant::now(),
+            done: Done::default(),
+        })
+    }
+
+    fn compute(&mut self) -> Result<Light> {
+        let transfer = if self.job.prt.paths > 0 {
+            Some(self.transfer()?)
+        } else {
+            None
+        };
+        let visibility = match (&self.job.kept, &self.job.directions) {
+            (Some(kept), _) => Some(kept.clone()),
+            (None, Some(directions)) => Some(self.visibility(directions)?),
+            (None, None) => None,
+        };
+        Ok(Light {
+            model: self.job.lit.key(),
+            optics: self.job.lit.optics_key(),
+            vertices: self.job.lit.vertices() as u32,
+            transfer,
+            visibility,
+        })
+    }
+
+    /// Writes what is done, when it is time.
+    fn save(&mut self, update: impl FnOnce(&mut Checkpoint) -> Result<()>) -> Result<()> {
+        if self.saved.elapsed() < CHECKPOINT {
+            return Ok(());
+        }
+        update(&mut self.so_far)?;
+        write_atomically(&self.checkpoint, &checkpoint::encode(&self.so_far))?;
+        self.saved = Instant::now();
+        Ok(())
+    }
+
+    fn transfer(&mut self) -> Result<StoredTransfer> {
+        let (gpu, job, scene) = (self.gpu, self.job, self.scene.clone());
+        let mut prt = Prt::new(gpu, &scene, &job.lit.receivers, job.prt)?;
+        prt.restore(self.so_far.transfer.clone())?;
+        let working = console::working("transfer");
+        let (start, before) = (Instant::now(), prt.step().done);
+        let transfer = prt.all(&mut |prt| {
+            let step = prt.step();
+            let rate = (step.done - before) as f64 / start.elapsed().as_secs_f64();
+            working.step(&progress("transfer", step.done, step.all, rate));
+            self.save(|so_far| {
+                so_far.transfer = prt.snapshot()?;
+                Ok(())
+            })
+        })?;
+        self.done.passes.add_passes(prt.times());
+        self.done.transfer_rays = prt.traced;
+        self.done.transfer_seconds = start.elapsed().as_secs_f64();
+        let stored = if job.edge > 0.0 {
+            let reduced = Lod::new(&job.lit.geometry, job.edge).reduce(&transfer);
+            StoredTransfer::new(&reduced, job.storage, job.prt.paths, job.edge)
+        } else {
+            StoredTransfer::new(&transfer, job.storage, job.prt.paths, 0.0)
+        };
+        self.so_far.transfer = Snapshot {
+            values: transfer.values,
+            sample: 0,
+            sums: Vec::new(),
+        };
+        Ok(stored)
+    }
+
+    fn visibility(&mut self, directions: &Directions) -> Result<VisibilityMaps> {
+        let (gpu, job, scene) = (self.gpu, self.job, self.scene.clone());
+        let (_, receivers) = job.lit.refined(job.splits);
+        let vertices = receivers.points.len();
+        let mut lvc = Lvc::new(gpu, &scene, &receivers, job.lvc)?;
+        let all: Vec<[f32; 3]> = directions
+            .all()
+            .iter()
+            .map(|d| d.as_vec3().to_array())
+            .collect();
+        let mut maps = std::mem::take(&mut self.so_far.maps);
+        let working = console::working("visibility");
+        let (start, before) = (Instant::now(), maps.len());
+        for batch in all[before.min(all.len())..].chunks(lvc.directions_per_batch()) {
+            let bytes = lvc.maps(batch)?;
+            maps.extend(bytes.chunks_exact(vertices).map(runs::encode));
+            let rate = (maps.len() - before) as f64 / start.elapsed().as_secs_f64();
+            let (done, of) = (maps.len() as u64, all.len() as u64);
+            working.step(&progress("visibility", done, of, rate));
+            self.save(|so_far| {
+                so_far.maps.clone_from(&maps);
+                Ok(())
+            })?;
+        }
+        self.done.passes.add_passes(lvc.times());
+        self.done.sun_rays = lvc.traced;
+        self.done.sun_seconds = start.elapsed().as_secs_f64();
+        Ok(VisibilityMaps {
+            directions: directions.clone(),
+            splits: job.splits,
+            vertices: vertices as u32,
+            radius_degrees: job.lvc.radius_degrees,
+            samples: job.lvc.samples,
+            maps,
+        })
+    }
+}
+
+/// `transfer 43 %, 1.2 M/s, 35 s left`.
+fn progress(what: &str, done: u64, all: u64, rate: f64) -> String {
+    let left = (all - done.min(all)) as f64 / rate.max(1e-9);
+    format!(
+        "{what} {} %, {rate:.0}/s, {left:.0} s left",
+        100 * done / all.max(1)
+    )
+}
+
+fn report(
+    context: &Context,
+    args: &LightArgs,
+    light: &Light,
+    (bytes, done): (usize, &Done),
+) -> Report {
+    let rate = |rays: u64, seconds: f64| rays as f64 / seconds.max(1e-9) * 1e-6;
+    let transfer = light.transfer.as_ref().map_or(0, |t| t.bytes.len() as u64);
+    let maps = light.visibility.as_ref().map_or(0, VisibilityMaps::bytes);
+    let count = light.visibility.as_ref().map_or(0, |v| v.maps.len());
+    let each = light.visibility.as_ref().map_or(0, |v| v.vertices);
+    let raw = u64::from(each) * count as u64;
+    let mut text = format!(
+        "{}: {}\n\
+         transfer: {}, {} rays in {:.1} s ({:.2} Mrays/s)\n\
+         visibility: {count} maps, {} of {} ({:.1} x), {} rays in {:.1} s ({:.2} Mrays/s)\n",
+        args.output.display(),
+        human_bytes(bytes as u64),
+        human_bytes(transfer),
+        done.transfer_rays,
+        done.transfer_seconds,
+        rate(done.transfer_rays, done.transfer_seconds),
+        human_bytes(maps),
+        human_bytes(raw),
+        raw as f64 / maps.max(1) as f64,
+        done.sun_rays,
+        done.sun_seconds,
+        rate(done.sun_rays, done.sun_seconds),
+    );
+    if context.timings() {
+        text += &format!("\n{}", done.passes.table());
+    }
+    let json = json!({
+        "output": args.output, "bytes": bytes, "times": done.passes.json(), "vertices": light.vertices,
+        "transfer": {
+            "bytes": transfer, "rays": done.transfer_rays, "seconds": done.transfer_seconds,
+        },
+        "visibility": {
+            "maps": count, "bytes": maps, "raw_bytes": raw, "rays": done.sun_rays,
+            "seconds": done.sun_seconds,
+        },
+    });
+    Report::new(text, json)
+}

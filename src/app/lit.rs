@@ -1,0 +1,135 @@
+//! A model as the light room sees it: triangles for rays, receivers, what materials make of light.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::cli::light::OpticsArgs;
+use super::input::{Input, Source};
+use crate::foliage::Split;
+use crate::leaf::light::{ModelKey, model_key, optics_key};
+use crate::leaf::optics::Optics;
+use crate::leaf::rays::Occluders;
+use crate::leaf::receivers::Receivers;
+use crate::leaf::refine::Refined;
+use crate::scene::{Geometry, Model};
+use crate::{Error, Result};
+
+/// Transmittance of leaves whose material says nothing of it, in shares of the reflectance: green
+/// leaves let through about what they reflect, and less blue (the spec's measured species).
+const UNTOLD_TRANSMITTANCE: [f32; 3] = [1.0, 1.1, 0.5];
+
+/// A model, ready to be lit.
+#[derive(Debug)]
+pub struct LitModel {
+    /// What was read, turned so that +y is up.
+    pub model: Arc<Model>,
+    /// Its triangles.
+    pub geometry: Geometry,
+    /// The same for rays.
+    pub occluders: Occluders,
+    /// Where the light of the sky and between leaves is gathered.
+    pub receivers: Receivers,
+    /// What each material makes of light.
+    pub optics: Vec<Optics>,
+}
+
+impl LitModel {
+    /// Reads and prepares `source`.
+    ///
+    /// # Errors
+    /// Wrong input, or a model without triangles.
+    pub fn new(
+        source: &Source,
+        textures: &[(String, std::path::PathBuf)],
+        pattern: Option<&str>,
+        args: &OpticsArgs,
+    ) -> Result<Self> {
+        let mut model = Input::load(source, textures)?.model;
+        if args.up == super::cli::light::Up::Z {
+            let mut turned = Arc::unwrap_or_clone(model);
+            // x stays, z becomes y, y becomes -z.
+            let turn = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y));
+            for instance in &mut turned.instances {
+                instance.local_to_world = turn * instance.local_to_world;
+            }
+            model = Arc::new(turned);
+        }
+        let geometry = Geometry::flatten(&model);
+        for warning in &geometry.warnings {
+            log::warn!("{}: {warning}", model.name);
+        }
+        if geometry.indices.is_empty() {
+            return Err(Error::usage(format!("{source}: has no triangles to light")));
+        }
+        let optics = optics(&model, &geometry, pattern, args)?;
+        let occluders = Occluders::new(&model, &geometry)?;
+        let receivers = Receivers::new(&geometry, &occluders, &optics);
+        Ok(Self {
+            model,
+            geometry,
+            occluders,
+            receivers,
+            optics,
+        })
+    }
+
+    /// Vertices.
+    #[must_use]
+    pub fn vertices(&self) -> usize {
+        self.receivers.points.len()
+    }
+
+    /// The mesh for shadows, every triangle split `times` times, and its receivers.
+    #[must_use]
+    pub fn refined(&self, times: u32) -> (Refined, Receivers) {
+        let refined = Refined::new(&self.geometry, times);
+        let receivers = Receivers::new(&refined.geometry, &self.occluders, &self.optics);
+        (refined, receivers)
+    }
+
+    /// The triangles that a light file must have been computed for.
+    #[must_use]
+    pub fn key(&self) -> ModelKey {
+        model_key(&self.geometry)
+    }
+
+    /// The optics that transfer vectors must have been computed for.
+    #[must_use]
+    pub fn optics_key(&self) -> ModelKey {
+        optics_key(&self.receivers.materials)
+    }
+}
+
+/// Optics of every material: those of leaves may be told on the command line.
+fn optics(
+    model: &Model,
+    geometry: &Geometry,
+    pattern: Option<&str>,
+    args: &OpticsArgs,
+) -> Result<Vec<Optics>> {
+    let mut leaf = vec![false; model.materials.len()];
+    // A model without foliage by name is leaves all over.
+    let parts = match Split::new(model, geometry, pattern) {
+        Ok(split) => split.foliage_parts,
+        Err(e) if pattern.is_some() => return Err(e),
+        Err(_) => vec![true; geometry.parts.len()],
+    };
+    for (part, is_leaf) in geometry.parts.iter().zip(parts) {
+        leaf[part.material] |= is_leaf;
+    }
+    let named = args.leaf()?;
+    let one = |(material, leaf): (&crate::scene::Material, bool)| {
+        let mut optics = Optics::of_material(model, material)?;
+        if leaf {
+            if let Some(named) = &named {
+                optics = Optics::of_leaf(named);
+            } else if material.diffuse_transmission.is_none() {
+                optics.rho_t = [0, 1, 2].map(|c| UNTOLD_TRANSMITTANCE[c] * optics.rho_d_front[c]);
+            }
+            args.apply(&mut optics);
+        }
+        Ok(optics)
+    };
+    model.materials.iter().zip(leaf).map(one).collect()
+}

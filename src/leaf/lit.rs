@@ -1,0 +1,292 @@
+//! The picture in two passes (Wang et al. 2005, section 5): the first draws the light of the sky
+//! and between leaves from the transfer vectors into one of three targets, the second adds the
+//! sun by what each pixel's leaf scatters, times the visibility of the disc.
+
+use super::film::{Film, LitScene, film_axes, gloss};
+use super::optics::mean_colour;
+use super::radiance_map::RadianceMap;
+use crate::Result;
+use crate::abi::{LitDraw, LitFrame};
+use crate::gpu::shaders::leaf as shaders;
+use crate::gpu::{
+    AddressMode, Binding, Buffer, BufferInfo, ColorTarget, ComputePipeline, DepthTarget, Format,
+    Gpu, GraphicsPipeline, GraphicsPipelineInfo, Image, ImageInfo, PassTime, QueueKind, RenderPass,
+    Sampler, SamplerInfo,
+};
+use crate::scene::{AlphaMode, Wrap, textures};
+
+/// Targets of the first pass: light, surface, material.
+const TARGETS: [(&str, Format); 3] = [
+    ("sky light", Format::Rgba16Float),
+    ("lit surface", Format::Rgba16Float),
+    ("lit material", Format::Rgba16Float),
+];
+
+/// One part of the model as it is drawn.
+struct Part {
+    draw: LitDraw,
+    texture: usize,
+    first_index: u32,
+    index_count: u32,
+}
+
+/// Draws one model again and again under changing light.
+pub struct LitRenderer {
+    gpu: Gpu,
+    size: [u32; 2],
+    frame: Buffer,
+    positions: Buffer,
+    normals: Buffer,
+    texcoords: Buffer,
+    indices: Buffer,
+    radiance: Buffer,
+    visibility: Buffer,
+    materials: Buffer,
+    gloss: Buffer,
+    textures: Vec<(Image, Sampler)>,
+    parts: Vec<Part>,
+    targets: Vec<Image>,
+    depth: Image,
+    picture: Image,
+    plain: Sampler,
+    first: GraphicsPipeline,
+    second: ComputePipeline,
+}
+
+impl std::fmt::Debug for LitRenderer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "LitRenderer({}x{})", self.size[0], self.size[1])
+    }
+}
+
+impl LitRenderer {
+    /// Uploads `scene` for pictures of `size` pixels.
+    ///
+    /// # Errors
+    /// A texture that cannot be decoded, or memory runs out.
+    pub fn new(gpu: &Gpu, scene: &LitScene<'_>, size: [u32; 2]) -> Result<Self> {
+        let g = scene.geometry;
+        let vertices = g.positions.len() as u64;
+        let device = |name: &str, bytes: u64| gpu.buffer(BufferInfo::device(name, bytes));
+        let target =
+            |(name, format): (&str, Format)| gpu.image(ImageInfo::target(name, format, size, 1));
+        let formats = TARGETS.map(|t| t.1);
+        let mut out = Self {
+            gpu: gpu.clone(),
+            size,
+            frame: device("lit frame", size_of::<LitFrame>() as u64)?,
+            positions: gpu.upload("positions", &g.positions)?,
+            normals: gpu.upload("normals", &g.normals)?,
+            texcoords: gpu.upload("texcoords", &g.texcoords)?,
+            indices: gpu.upload("indices", &g.indices)?,
+            radiance: device("radiance", 24 * vertices)?,
+            visibility: device("visibility", 4 * vertices)?,
+            materials: gpu.upload("leaf sides", &scene.receivers.materials)?,
+            gloss: gloss(gpu, scene.optics)?,
+            textures: Vec::new(),
+            parts: Vec::new(),
+            targets: TARGETS.into_iter().map(target).collect::<Result<_>>()?,
+            depth: target(("lit depth", Format::Depth32))?,
+            picture: gpu.image(ImageInfo::storage("lit picture", Format::Rgba32Float, size))?,
+            plain: gpu.sampler(&SamplerInfo::default())?,
+            first: gpu.graphics_pipeline(&GraphicsPipelineInfo {
+                name: "lit",
+                vertex: shaders::LIT_VERT,
+                fragment: Some(shaders::LIT_FRAG),
+                color_formats: &formats,
+                depth_format: Some(Format::Depth32),
+                ..GraphicsPipelineInfo::default()
+            })?,
+            second: gpu.compute_pipeline(shaders::LIT_SUN_COMP)?,
+        };
+        out.load_materials(scene)?;
+        Ok(out)
+    }
+
+    fn load_materials(&mut self, scene: &LitScene<'_>) -> Result<()> {
+        let model = scene.model;
+        let mut draws = Vec::new();
+        for (number, material) in model.materials.iter().enumerate() {
+            let (texels, extent, wrap, transform) = match material.base_color_texture {
+                Some(reference) => {
+                    let texture = model.textures[reference.texture];
+                    let image = textures::decode(&model.images[texture.image])?;
+                    (
+                        image.pixels,
+                        [image.width, image.height],
+                        [texture.wrap_u, texture.wrap_v],
+                        reference.transform,
+                    )
+                }
+                None => (
+                    vec![255; 4],
+                    [1, 1],
+                    [Wrap::Clamp; 2],
+                    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                ),
+            };
+            self.textures.push(self.texture(&texels, extent, wrap)?);
+            let base = material.base_color;
+            let mean = mean_colour(model, material)?;
+            draws.push(LitDraw {
+                texcoord_u: transform[0],
+                texcoord_v: transform[1],
+                tint: [0, 1, 2].map(|c| {
+                    if mean[c] > 0.0 {
+                        base[c] / mean[c]
+                    } else {
+                        1.0
+                    }
+                }),
+                alpha: base[3],
+                cutoff: match material.alpha_mode {
+                    AlphaMode::Opaque => -1.0,
+                    AlphaMode::Mask { cutoff } => cutoff,
+                    AlphaMode::Blend => 0.5,
+                },
+                material: number as u32,
+            });
+        }
+        for part in scene.geometry.parts.iter().filter(|p| p.index_count > 0) {
+            self.parts.push(Part {
+                draw: draws[part.material],
+                texture: part.material,
+                first_index: part.first_index as u32,
+                index_count: part.index_count as u32,
+            });
+        }
+        Ok(())
+    }
+
+    fn texture(
+        &self,
+        texels: &[u8],
+        extent: [u32; 2],
+        wrap: [Wrap; 2],
+    ) -> Result<(Image, Sampler)> {
+        let info = ImageInfo::texture("leaf texture", Format::Rgba8Srgb, extent, 1);
+        let image = self.gpu.image(info)?;
+        let mut work = self.gpu.work(QueueKind::Transfer, "leaf texture")?;
+        work.upload_image("leaf texture", &image, &[texels])?;
+        work.submit()?.wait()?;
+        let sampler = self.gpu.sampler(&SamplerInfo {
+            linear: true,
+            address: wrap.map(|w| match w {
+                Wrap::Repeat => AddressMode::Repeat,
+                Wrap::Clamp => AddressMode::Clamp,
+                Wrap::Mirror => AddressMode::Mirror,
+            }),
+            ..SamplerInfo::default()
+        })?;
+        Ok((image, sampler))
+    }
+
+    /// Bytes on the device for light that changes and for targets.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let targets: u64 = self.targets.iter().map(|t| t.info().bytes()).sum();
+        let others = self.depth.info().bytes() + self.picture.info().bytes();
+        targets + others + self.radiance.bytes() + self.visibility.bytes()
+    }
+
+    /// Draws: `radiance` leaves the front and back of each vertex (sky and indirect light),
+    /// `visibility` is the share of the sun's disc that each sees. Also the device times.
+    ///
+    /// # Errors
+    /// When memory runs out or the device is lost.
+    pub fn draw(
+        &self,
+        scene: &LitScene<'_>,
+        film: &Film,
+        radiance: &[[f32; 3]],
+        visibility: &[f32],
+    ) -> Result<(RadianceMap, Vec<PassTime>)> {
+        let [right, up] = film_axes(&film.camera);
+        let frame = LitFrame {
+            relative_to_clip: film
+                .camera
+                .relative_to_clip(scene.geometry.origin)
+                .to_cols_array_2d(),
+            forward: film.camera.forward.as_vec3().to_array(),
+            width: self.size[0],
+            right: right.to_array(),
+            height: self.size[1],
+            up: up.to_array(),
+            sun: film.sun.towards.as_vec3().to_array(),
+            irradiance: film.sun.irradiance.as_vec3().to_array(),
+        };
+        let mut work = self.gpu.work(QueueKind::Graphics, "lit picture")?;
+        work.upload("lit frame", &self.frame, &[frame])?;
+        work.upload("radiance", &self.radiance, radiance)?;
+        work.upload("visibility", &self.visibility, visibility)?;
+        let vertex_reads = [
+            Binding::Read(&self.frame),
+            Binding::Read(&self.positions),
+            Binding::Read(&self.normals),
+            Binding::Read(&self.texcoords),
+            Binding::Read(&self.radiance),
+            Binding::Read(&self.visibility),
+        ];
+        let mut reads = vertex_reads.to_vec();
+        reads.push(Binding::Index(&self.indices));
+        reads.extend(self.textures.iter().map(|(i, s)| Binding::Sampled(i, s)));
+        let color: Vec<ColorTarget<'_>> = self
+            .targets
+            .iter()
+            .map(|image| ColorTarget {
+                image,
+                clear: Some([0.0; 4]),
+                resolve: None,
+                store: true,
+            })
+            .collect();
+        let pass = RenderPass {
+            extent: self.size,
+            color: &color,
+            depth: Some(DepthTarget {
+                image: &self.depth,
+                clear: Some(0.0),
+                store: false,
+            }),
+            reads: &reads,
+        };
+        work.render("sky and leaf light", &pass, |draws| {
+            draws.pipeline(&self.first);
+            draws.bind(0, &vertex_reads)?;
+            draws.index_buffer(&self.indices);
+            for part in &self.parts {
+                let (image, sampler) = &self.textures[part.texture];
+                draws.bind(1, &[Binding::Sampled(image, sampler)])?;
+                draws.push(&part.draw)?;
+                let last = part.first_index + part.index_count;
+                draws.draw_indexed(part.first_index..last, 1)?;
+            }
+            Ok(())
+        })?;
+        work.compute(
+            "sun",
+            &self.second,
+            &[
+                Binding::Read(&self.frame),
+                Binding::Read(&self.materials),
+                Binding::Read(&self.gloss),
+                Binding::Sampled(&self.targets[0], &self.plain),
+                Binding::Sampled(&self.targets[1], &self.plain),
+                Binding::Sampled(&self.targets[2], &self.plain),
+                Binding::StorageWrite(&self.picture),
+            ],
+            &(),
+            [self.size[0], self.size[1], 1],
+        )?;
+        let picture = work.read_image("lit picture", &self.picture)?;
+        let mut done = work.submit()?.wait()?;
+        let times = done.passes().to_vec();
+        let bytes = done.take(picture);
+        let map = RadianceMap {
+            width: self.size[0] as usize,
+            height: self.size[1] as usize,
+            pixels: bytemuck::pod_collect_to_vec(&bytes),
+        };
+        Ok((map, times))
+    }
+}

@@ -1,0 +1,114 @@
+//! What a material makes of light, as far as the precomputation needs it: mean values per side.
+
+use super::appearance::{Face, LeafMaterial};
+use crate::Result;
+use crate::abi::LeafSides;
+use crate::math::colour::srgb_to_linear;
+use crate::scene::{AlphaMode, Material, Model, TextureRef, textures};
+
+/// Reflectance and transmittance per channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optics {
+    /// Diffuse reflectance of the front (upper) side.
+    pub rho_d_front: [f32; 3],
+    /// Diffuse reflectance of the back (lower) side.
+    pub rho_d_back: [f32; 3],
+    /// Diffuse transmittance.
+    pub rho_t: [f32; 3],
+    /// Specular intensity of both sides; lights of small extent only.
+    pub rho_s: [f32; 3],
+    /// Roughness m of the specular term: root mean square slope times the square root of 2.
+    pub roughness: f32,
+}
+
+impl Optics {
+    /// An opaque, diffuse surface.
+    #[must_use]
+    pub fn opaque(rho: [f32; 3]) -> Self {
+        Self {
+            rho_d_front: rho,
+            rho_d_back: rho,
+            rho_t: [0.0; 3],
+            rho_s: [0.0; 3],
+            roughness: 0.3,
+        }
+    }
+
+    /// What `leaf` is as a whole; light goes through equally either way.
+    #[must_use]
+    pub fn of_leaf(leaf: &LeafMaterial) -> Self {
+        let [upper, lower] = Face::ALL.map(|face| leaf.optics(face));
+        Self {
+            rho_d_front: upper.rho_d,
+            rho_d_back: lower.rho_d,
+            rho_t: [0, 1, 2].map(|c| 0.5 * (upper.rho_t[c] + lower.rho_t[c])),
+            rho_s: upper.rho_s,
+            roughness: upper.m,
+        }
+    }
+
+    /// What `material` says: the mean of its colour, split by `KHR_materials_diffuse_transmission`
+    /// where it has that. Sums are kept below 1.
+    ///
+    /// # Errors
+    /// A texture that cannot be decoded.
+    pub fn of_material(model: &Model, material: &Material) -> Result<Self> {
+        let base = mean_colour(model, material)?;
+        let Some(transmission) = &material.diffuse_transmission else {
+            return Ok(Self::opaque(base));
+        };
+        let share = transmission.factor.clamp(0.0, 1.0);
+        let through = [0, 1, 2].map(|c| share * transmission.color[c] * base[c]);
+        let mut out = Self::opaque(base.map(|b| (1.0 - share) * b));
+        out.rho_t = through;
+        Ok(out)
+    }
+
+    /// The form of the kernels. Values below 0 count as 0, sums above 1 are scaled to 1.
+    #[must_use]
+    pub fn sides(&self) -> LeafSides {
+        let mut out = LeafSides {
+            rho_d_front: self.rho_d_front.map(|v| v.max(0.0)),
+            rho_d_back: self.rho_d_back.map(|v| v.max(0.0)),
+            rho_t: self.rho_t.map(|v| v.max(0.0)),
+        };
+        for c in 0..3 {
+            let most = out.rho_d_front[c].max(out.rho_d_back[c]) + out.rho_t[c];
+            if most > 1.0 {
+                for v in [
+                    &mut out.rho_d_front[c],
+                    &mut out.rho_d_back[c],
+                    &mut out.rho_t[c],
+                ] {
+                    *v /= most;
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Linear mean of what is leaf of a base colour texture, times the factor.
+///
+/// # Errors
+/// A texture that cannot be decoded.
+pub fn mean_colour(model: &Model, material: &Material) -> Result<[f32; 3]> {
+    let [r, g, b, _] = material.base_color;
+    let Some(TextureRef { texture, .. }) = material.base_color_texture else {
+        return Ok([r, g, b]);
+    };
+    let image = textures::decode(&model.images[model.textures[texture].image])?;
+    let (mut sum, mut weight) = ([0.0_f64; 3], 0.0_f64);
+    for p in image.pixels.chunks_exact(4) {
+        let w = match material.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            _ => f64::from(p[3]) / 255.0,
+        };
+        for c in 0..3 {
+            sum[c] += w * f64::from(srgb_to_linear(f32::from(p[c]) / 255.0));
+        }
+        weight += w;
+    }
+    let mean = sum.map(|s| if weight > 0.0 { s / weight } else { 1.0 });
+    Ok([r * mean[0] as f32, g * mean[1] as f32, b * mean[2] as f32])
+}
