@@ -4,6 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 umbrage=${UMBRAGE:-target/release/umbrage}
+paths_whole=${PATHS:-1024}
 truth=../shared/leaf/truth
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -23,7 +24,7 @@ row() {
 
 echo '| lighting | bias % | RMSE % | blocks % |'
 echo '|---|--:|--:|--:|'
-light whole --paths 1024 --directions sun
+light whole --paths "$paths_whole" --directions sun
 row 'hard shadows, constant for the rest' whole ambient
 row 'transfer alone, order 5' whole prt
 for order in 1 2 3 4 5; do
@@ -37,14 +38,14 @@ for paths in 16 64 256; do
     row "$paths paths a side" paths leaf
 done
 for storage in f32 8bit; do
-    light storage --paths 1024 --directions none --storage $storage
+    light storage --paths "$paths_whole" --directions none --storage $storage
     row "vectors as $storage" storage leaf
 done
 for lod in 0.02 0.05 0.1; do
-    light lod --paths 1024 --directions none --lod $lod
+    light lod --paths "$paths_whole" --directions none --lod $lod
     row "vectors $lod diagonals apart" lod leaf
 done
-light cube --paths 1024 --directions cube --splits 0
+light cube --paths "$paths_whole" --directions cube --splits 0
 row 'nearest of 6144 maps, no splits' cube leaf --stored
 row 'blend of 6144 maps, no splits' cube leaf --stored --blended
 cat "$work/cube.txt"

@@ -97,7 +97,7 @@ impl LitModel {
     /// The optics that transfer vectors must have been computed for.
     #[must_use]
     pub fn optics_key(&self) -> ModelKey {
-        optics_key(&self.receivers.materials)
+        optics_key(&self.receivers.transfer)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Precomputed light of a model: transfer vectors and visibility maps, as plain data.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::directions::Directions;
 use super::environment::Coefficients;
@@ -118,7 +119,7 @@ impl StoredTransfer {
             Storage::F32 => bytemuck::pod_collect_to_vec(&self.bytes),
             Storage::F16 => self
                 .bytes
-                .chunks_exact(2)
+                .par_chunks_exact(2)
                 .map(|b| f16_to_f32(u16::from_le_bytes([b[0], b[1]])))
                 .collect(),
             Storage::Byte => self
@@ -234,7 +235,7 @@ pub fn exit_radiance(transfer: &Transfer, lighting: &Lighting<'_>) -> Vec<[f32; 
     let floats = PRT_COEFFICIENTS as usize * 3;
     transfer
         .values
-        .chunks_exact(SIDE_FLOATS)
+        .par_chunks_exact(SIDE_FLOATS)
         .map(|side| {
             let mut sum = glam::Vec3::ZERO;
             for (k, l) in l.iter().enumerate() {

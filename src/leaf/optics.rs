@@ -64,6 +64,17 @@ impl Optics {
         Ok(out)
     }
 
+    /// The form of the kernels of transfer: the glossy reflection is part of the diffuse one.
+    #[must_use]
+    pub fn transfer_sides(&self) -> LeafSides {
+        let mut all = *self;
+        for c in 0..3 {
+            all.rho_d_front[c] += self.rho_s[c].max(0.0);
+            all.rho_d_back[c] += self.rho_s[c].max(0.0);
+        }
+        all.sides()
+    }
+
     /// The form of the kernels. Values below 0 count as 0, sums above 1 are scaled to 1.
     #[must_use]
     pub fn sides(&self) -> LeafSides {

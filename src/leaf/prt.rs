@@ -152,7 +152,7 @@ impl<'a> Prt<'a> {
             tracer: Tracer::new(gpu)?,
             receivers: gpu.upload("receivers", &receivers.points)?,
             faces: gpu.upload("faces", &some(&receivers.faces))?,
-            materials: gpu.upload("leaf sides", &receivers.materials)?,
+            materials: gpu.upload("leaf sides", &receivers.transfer)?,
             paths: buffer("paths", 16 * u64::from(settings.batch))?,
             alive: buffer("paths alive", 4)?,
             sums: buffer("transfer", 2 * side_bytes * u64::from(chunk))?,

@@ -20,6 +20,9 @@ pub struct Receivers {
     pub faces: Vec<[f32; 4]>,
     /// What every material makes of light.
     pub materials: Vec<LeafSides>,
+    /// The same for transfer, where the glossy reflection counts as a diffuse one: bands 0 to 4
+    /// would blur it anyway, and without it the light of the sky would lack its share.
+    pub transfer: Vec<LeafSides>,
 }
 
 impl Receivers {
@@ -82,6 +85,7 @@ impl Receivers {
             points: (0..positions.len()).map(point).collect(),
             faces,
             materials: optics.iter().map(Optics::sides).collect(),
+            transfer: optics.iter().map(Optics::transfer_sides).collect(),
         }
     }
 }

@@ -31,7 +31,7 @@ fn reference(name: &str) -> String {
 
 /// Draws a reference scene under each of `lighting`; the rows of errors.
 fn compare(place: &Place, scene: &str, lighting: &str, more: &[&str]) -> Vec<Value> {
-    let model = reference(&format!("{scene}.obj"));
+    let model = reference(&format!("{}.obj", scene.trim_end_matches("_gloss")));
     let full = reference(&format!("{scene}_full.exr"));
     let prefix = full.strip_suffix("_full.exr").unwrap();
     let (camera, fov) = if scene == "crossed" {
@@ -95,6 +95,22 @@ fn fifty_leaves_look_like_the_reference_and_transfer_alone_does_not() {
     }
     let error = of(&rows, "prt")["rmse"].as_f64().unwrap();
     assert!(error > 0.2, "the split matters: {error}");
+}
+
+/// Gloss: the sun's by its lobe, that of the sky as if it were diffuse.
+#[test]
+fn glossy_leaves_look_like_the_reference() {
+    let place = Place::new();
+    let gloss = ["--gloss", "0.04", "--roughness", "0.3"];
+    let model = reference("leaf50.obj");
+    let what = ["light", &model, "-o", "out.light", "--paths", "64"];
+    place.json(&[&what[..], &["--directions", "none"], &LEAF, &gloss].concat());
+    let more = [&["--light", "out.light"][..], &gloss].concat();
+    let rows = compare(&place, "leaf50_gloss", "leaf,lvc", &more);
+    for (lighting, limit) in [("leaf", 0.05), ("lvc", 0.02)] {
+        let error = of(&rows, lighting)["block_rmse"].as_f64().unwrap();
+        assert!(error < limit, "{lighting}: {error}");
+    }
 }
 
 /// The truth needs no light file; few samples are noisy in pixels, not in blocks.
