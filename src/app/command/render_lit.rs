@@ -297,6 +297,13 @@ impl Job<'_> {
                 "--lighting: needs --light FILE with transfer vectors; `umbrage light` makes it",
             ));
         };
+        let made_for = self.light.as_ref().map(|l| l.optics);
+        if made_for != Some(self.lit.optics_key()) {
+            return Err(Error::usage(
+                "--light: its transfer vectors are those of other leaves; `umbrage light --keep` \
+                 computes them again and keeps the sun's maps",
+            ));
+        }
         let transfer = self
             .timings
             .measure("unpack transfer", || stored.transfer());
