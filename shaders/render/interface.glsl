@@ -19,7 +19,10 @@ float shadow_tap(vec2 at, float depth) {
     vec2 size = vec2(textureSize(shadow_map, 0));
     vec4 lit = step(textureGather(shadow_map, at), vec4(depth));
     vec2 t = fract(at * size - 0.5);
-    return mix(mix(lit.w, lit.z, t.x), mix(lit.x, lit.y, t.x), t.y);
+    // Not `mix`: where all four are lit the result is 1 to the last bit.
+    float above = lit.w + t.x * (lit.z - lit.w);
+    float below = lit.x + t.x * (lit.y - lit.x);
+    return above + t.y * (below - above);
 }
 
 // Cosine and sine of the golden angle: places of the filter follow a sunflower's spiral, evenly

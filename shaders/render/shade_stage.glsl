@@ -5,31 +5,10 @@
 // the background where it shows none. The including file says how a sample is read (`fetch`,
 // `fetch_depth`) and where in the pixel it lies (`SAMPLES`, `PLACES`).
 
+#include "backdrop.glsl"
 #include "surface_record.glsl"
 
 layout(set = 1, binding = 3, scalar) restrict readonly buffer Materials { RenderMaterial materials[]; };
-
-layout(location = 0) in vec2 in_corner;    // -1..1 over the picture
-layout(location = 0) out vec4 out_color;
-
-const float FADE_START = 0.25;    // share of the ground's radius up to which it is itself
-
-// Ray through a place in the picture, with unit component along the direction of view.
-vec3 ray(vec2 corner) {
-    return frame.forward + corner.x * frame.right - corner.y * frame.up;
-}
-
-// The ground, lit by eq. 1 and under the crown's ambient shade, fading into the background.
-vec3 ground(vec3 position, vec3 behind) {
-    vec3 up = vec3(0.0, 1.0, 0.0);
-    float ambient = ground_ambient(frame.crown_centre - position, frame.crown_radius,
-                                   frame.crown_opacity);
-    float steepness = sqrt(max(1.0 - frame.sun_direction.y * frame.sun_direction.y, 0.0));
-    float sun = SHADOWED ? sun_visibility(position, steepness, GROUND_SPREAD, GROUND_TAPS) : 1.0;
-    vec3 light = illuminate(position, up, frame.ground_albedo, ambient, sun, 0.0, 1.0, vec3(0.0));
-    float away = distance(position.xz, frame.crown_centre.xz) / frame.ground_radius;
-    return mix(light * frame.exposure, behind, smoothstep(FADE_START, 1.0, away));
-}
 
 // The surface of one sample, `depth` metres along the ray.
 vec3 shade_surface(Surface s, vec3 position) {
@@ -43,50 +22,51 @@ vec3 shade_surface(Surface s, vec3 position) {
     return (light + (TEXTURED ? m.emissive : vec3(0.0))) * frame.exposure;
 }
 
-// Distance along a ray at which it meets the ground; 0 where it does not.
-float ground_distance(vec3 direction) {
-    float t = (frame.ground_height - frame.eye.y) / min(direction.y, -1e-6);
-    return frame.ground_radius > 0.0 && direction.y < -1e-6 && t > 0.0 ? t : 0.0;
-}
-
+// Samples that differ in no bit of their record show one surface and share its light: the loop
+// below runs once per surface, and ends when all pixels of a group are through.
 void main() {
     vec3 centre = ray(in_corner);
     float to_ground = ground_distance(centre);
     // The ground hides what lies below it; a little less than all, or feet would flicker.
     float hidden = to_ground > 0.0 ? frame.near / (to_ground * 1.0005) : 0.0;
 
-    vec3 sum = vec3(0.0);
-    float shown = 0.0;
-    uvec2 last = uvec2(0u);
-    bool any = false;
+    float depths[SAMPLES];
+    vec4 a[SAMPLES], b[SAMPLES];
+    uint left = 0u;
     for (int i = 0; i < SAMPLES; i++) {
-        any = any || fetch_depth(i) > hidden;
+        depths[i] = fetch_depth(i);
+        fetch(i, a[i], b[i]);
+        left |= depths[i] > hidden ? 1u << i : 0u;
     }
-    // Neighbouring samples that show the same surface share its light.
-    vec3 light = vec3(0.0);
-    for (int i = 0; any && i < SAMPLES; i++) {
-        float z = fetch_depth(i);
-        if (z <= hidden) {
-            continue;
+    float rest = float(SAMPLES - bitCount(left));
+    vec3 sum = vec3(0.0);
+    while (left != 0u) {
+        // The first sample that is left; selected, since indexing would go through memory.
+        int first = findLSB(left);
+        float z = depths[0];
+        vec4 record_a = a[0], record_b = b[0];
+        vec2 place = PLACES[0];
+        for (int i = 1; i < SAMPLES; i++) {
+            bool chosen = i == first;
+            z = chosen ? depths[i] : z;
+            record_a = chosen ? a[i] : record_a;
+            record_b = chosen ? b[i] : record_b;
+            place = chosen ? PLACES[i] : place;
         }
-        vec4 a, b;
-        fetch(i, a, b);
-        uvec2 words = uvec2(packUnorm4x8(a), packUnorm4x8(b));
-        if (shown == 0.0 || words != last) {
-            vec3 direction = centre + PLACES[i].x * frame.right * frame.pixel.x
-                - PLACES[i].y * frame.up * frame.pixel.y;
-            light = min(shade_surface(from_record(a, b), frame.eye + direction * (frame.near / z)), vec3(1.0));
-            last = words;
+        uint same = 0u;
+        for (int i = 0; i < SAMPLES; i++) {
+            same |= a[i] == record_a && b[i] == record_b ? 1u << i : 0u;
         }
-        sum += light;
-        shown += 1.0;
+        same &= left;
+        vec3 direction = centre + place.x * frame.right * frame.pixel.x
+            - place.y * frame.up * frame.pixel.y;
+        vec3 position = frame.eye + direction * (frame.near / z);
+        vec3 light = shade_surface(from_record(record_a, record_b), position);
+        sum += float(bitCount(same)) * min(light, vec3(1.0));
+        left &= ~same;
     }
-    float rest = float(SAMPLES) - shown;
-    vec3 behind = backdrop(centre);
-    for (int i = 0; i < 1 && rest > 0.0 && to_ground > 0.0; i++) {
-        behind = ground(frame.eye + centre * to_ground, behind);
-    }
-    out_color = vec4((sum + rest * min(behind, vec3(1.0))) / float(SAMPLES), 1.0);
+    vec3 behind = light_behind(centre, rest > 0.0 ? to_ground : 0.0);
+    out_color = vec4((sum + rest * behind) / float(SAMPLES), 1.0);
 }
 
 #endif

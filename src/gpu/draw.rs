@@ -307,6 +307,28 @@ impl Draws<'_> {
         Ok(())
     }
 
+    /// Keeps the draws that follow within pixels: first corner, and one past the last.
+    pub fn scissor(&mut self, [x0, y0, x1, y1]: [u32; 4]) {
+        let signed = |v: u32| i32::try_from(v).expect("an edge of an image");
+        let rectangle = vk::Rect2D {
+            offset: vk::Offset2D {
+                x: signed(x0),
+                y: signed(y0),
+            },
+            extent: vk::Extent2D {
+                width: x1.saturating_sub(x0),
+                height: y1.saturating_sub(y0),
+            },
+        };
+        // SAFETY: a rectangle with corners that are not negative.
+        unsafe {
+            self.gpu
+                .inner
+                .device
+                .cmd_set_scissor(self.work.cmd, 0, &[rectangle]);
+        };
+    }
+
     /// Draws without an index buffer.
     ///
     /// # Errors

@@ -178,11 +178,25 @@ impl Frame<'_> {
             reads: &reads,
         };
         let textured = view.is_textured();
+        let areas = &self.resources.areas;
+        let parts = [
+            (&areas.model, Fixed::Shade { textured, shadowed }),
+            (&areas.shadowed, Fixed::Backdrop { shadowed }),
+            (&areas.open, Fixed::Backdrop { shadowed: false }),
+        ];
         work.render(label::SHADE_PASS, &pass, |draws| {
-            draws.pipeline(&pipelines.fixed(Fixed::Shade { textured, shadowed })?);
-            draws.bind(0, &set)?;
-            draws.bind(1, &records)?;
-            draws.draw(3, 1)
+            for (rectangles, which) in parts.iter().filter(|p| !p.0.is_empty()) {
+                draws.pipeline(&pipelines.fixed(*which)?);
+                draws.bind(0, &set)?;
+                if matches!(which, Fixed::Shade { .. }) {
+                    draws.bind(1, &records)?;
+                }
+                for rectangle in *rectangles {
+                    draws.scissor(*rectangle);
+                    draws.draw(3, 1)?;
+                }
+            }
+            Ok(())
         })
     }
 

@@ -3,6 +3,7 @@
 //! Illumination model: Luft, Balzer, Deussen 2007, Expressive Illumination of Foliage Based on
 //! Implicit Surfaces, eq. 1. `frame.rs` lists the passes in order.
 
+mod areas;
 mod batch;
 mod frame;
 pub mod gbuffer;

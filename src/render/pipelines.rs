@@ -36,8 +36,17 @@ pub(super) struct SurfaceKey {
 /// Pipelines besides those of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Fixed {
-    Shadow { cuts: bool },
-    Shade { textured: bool, shadowed: bool },
+    Shadow {
+        cuts: bool,
+    },
+    Shade {
+        textured: bool,
+        shadowed: bool,
+    },
+    /// Ground and sky alone.
+    Backdrop {
+        shadowed: bool,
+    },
     Surface,
     Slice,
 }
@@ -164,6 +173,19 @@ impl Pipelines {
                     } else {
                         s::SHADE_1_FRAG
                     }),
+                    color_formats: &[Format::Rgba8Srgb],
+                    depth_test: false,
+                    depth_write: false,
+                    specialization: &specialization,
+                    ..GraphicsPipelineInfo::default()
+                }
+            }
+            Fixed::Backdrop { shadowed } => {
+                specialization = [(3, 1), (4, u32::from(shadowed))];
+                GraphicsPipelineInfo {
+                    name: "backdrop",
+                    vertex: s::SHADE_VERT,
+                    fragment: Some(s::BACKDROP_FRAG),
                     color_formats: &[Format::Rgba8Srgb],
                     depth_test: false,
                     depth_write: false,

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::areas::Areas;
 use super::batch::{self, Batch};
 use super::frame::Frame;
 use super::gbuffer::GBuffer;
@@ -111,6 +112,13 @@ impl Renderer {
     #[must_use]
     pub fn camera(&self) -> &Camera {
         &self.setup.camera
+    }
+
+    /// Shades every pixel as if the model could be seen there: the same picture, more slowly.
+    /// Tells whether that was not so before.
+    pub(crate) fn divide_nothing(&mut self) -> bool {
+        let whole = Areas::whole(self.settings.size);
+        std::mem::replace(&mut self.resources.areas, whole.clone()) != whole
     }
 
     /// Forgets what views share, so that the next view is drawn (and timed) whole.

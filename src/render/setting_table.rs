@@ -11,8 +11,14 @@ pub struct SettingInfo {
     pub name: &'static str,
     /// How a value is written: `WxH`, `AZ,EL`, `on|off`, a number's unit.
     pub unit: &'static str,
-    /// Meaning, range, and what it trades.
+    /// What it is.
     pub help: &'static str,
+    /// Allowed values.
+    pub range: &'static str,
+    /// What it trades for what; empty where it chooses the picture and approximates nothing.
+    pub trades: &'static str,
+    /// The value at which nothing is approximated, or that it changes the meaning, not the error.
+    pub exact_end: &'static str,
     /// Current value as text.
     pub get: fn(&RenderSettings) -> String,
     /// Sets it from text, or says what is wrong with the value.
@@ -109,6 +115,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "size",
         unit: "WxH",
         help: "Pixels across and down, 1..16384",
+        range: "1..16384 each",
+        trades: "sharpness against time and memory, both in proportion to the pixels",
+        exact_end: "changes the meaning, not the error",
         get: |s| format!("{}x{}", s.size[0], s.size[1]),
         set: |s, t| {
             let (w, h) = t
@@ -122,6 +131,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "samples",
         unit: "1|4",
         help: "Coverage samples per pixel; 4 smooths edges and leaf outlines, 1 is faster",
+        range: "1, 4",
+        trades: "smooth edges against four times the memory of the surface targets and twice the time of their pass",
+        exact_end: "none; 4 is the closer",
         get: |s| s.samples.to_string(),
         set: |s, t| {
             s.samples = match t {
@@ -136,6 +148,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "camera",
         unit: "AZ,EL[,DIST]|EX,EY,EZ/TX,TY,TZ",
         help: "Degrees and a factor on the framing distance, or eye and target in metres",
+        range: "elevation -90..90, distance above 0; eye and target differ",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| s.camera.to_string(),
         set: |s, t| {
             s.camera = t.parse()?;
@@ -146,6 +161,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "fov",
         unit: "degrees",
         help: "Vertical field of view, 1..150",
+        range: "1..150",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| s.fov.to_string(),
         set: |s, t| {
             s.fov = number(t, 1.0..=150.0)?;
@@ -156,6 +174,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "margin",
         unit: "share",
         help: "Free share of the picture on every side, 0..0.45",
+        range: "0..0.45",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| s.margin.to_string(),
         set: |s, t| {
             s.margin = number(t, 0.0..=0.45)?;
@@ -166,6 +187,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "sun",
         unit: "AZ,EL",
         help: "Where the sun stands: degrees from +z towards +x, degrees above the horizon",
+        range: "elevation -90..90",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| format!("{},{}", s.sun.azimuth, s.sun.elevation),
         set: |s, t| {
             let [azimuth, elevation] = two_numbers(t, "azimuth and elevation like 30,45")?;
@@ -182,6 +206,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "sun-color",
         unit: "R,G,B|#rrggbb",
         help: "Linear intensity I of the sun; 0 switches it off",
+        range: "0..1000000 each",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| color_text(s.sun.color),
         set: |s, t| {
             s.sun.color = color(t)?;
@@ -193,6 +220,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "ambient-light",
         unit: "sky|R,G,B|#rrggbb",
         help: "Ambient intensity I_a: a sky over the ground, or the paper's constant",
+        range: "sky, or 0..1000000 each",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| {
             if s.sky == Sky::default() {
                 "sky".into()
@@ -213,6 +243,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "exposure",
         unit: "factor",
         help: "Factor on the picture before it is encoded, above 0",
+        range: "0.000001..1000000",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| s.exposure.to_string(),
         set: |s, t| {
             s.exposure = number32(t, 1e-6..=1e6)?;
@@ -223,6 +256,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "specular",
         unit: "share",
         help: "Specular coefficient k_s of a smooth surface, 0..1",
+        range: "0..1",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| s.specular.to_string(),
         set: |s, t| {
             s.specular = number32(t, 0.0..=1.0)?;
@@ -233,6 +269,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "shininess",
         unit: "exponent",
         help: "Exponent n of the specular term, 1..1000",
+        range: "1..1000",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| s.shininess.to_string(),
         set: |s, t| {
             s.shininess = number32(t, 1.0..=1000.0)?;
@@ -243,6 +282,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "translucency",
         unit: "share",
         help: "Share of the sun's diffuse light that goes through leaves, 0..1; 0 is eq. 1 of the paper",
+        range: "0..1",
+        trades: "",
+        exact_end: "0 is eq. 1 of the paper",
         get: |s| s.translucency.to_string(),
         set: |s, t| {
             s.translucency = number32(t, 0.0..=1.0)?;
@@ -253,6 +295,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "flip-back-faces",
         unit: "on|off",
         help: "Turn realigned normals round on back faces, as glTF viewers do",
+        range: "on, off",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| switch_text(s.flip_back_faces),
         set: |s, t| {
             s.flip_back_faces = switch(t)?;
@@ -263,6 +308,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "shadows",
         unit: "on|off",
         help: "The sun casts shadows",
+        range: "on, off",
+        trades: "shadows against the time and memory of the shadow map",
+        exact_end: "on",
         get: |s| switch_text(s.shadows),
         set: |s, t| {
             s.shadows = switch(t)?;
@@ -273,6 +321,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "shadow-size",
         unit: "texels",
         help: "Edge of the shadow map, 16..8192: finer shadows against time and memory",
+        range: "16..8192",
+        trades: "finer shadows against time and memory, both in proportion to the texels",
+        exact_end: "none; 8192 is the closest",
         get: |s| s.shadow_size.to_string(),
         set: |s, t| {
             s.shadow_size = integer(t, 16..=8192)?;
@@ -284,6 +335,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         unit: "tight|sphere",
         help: "What the shadow map spans: the casters as the sun sees them, or the sphere around them, \
                coarser but the same from everywhere: no shimmer when the sun moves",
+        range: "tight, sphere",
+        trades: "texels as fine as the casters allow against a map that keeps its scale when the sun moves",
+        exact_end: "none; tight is the closer",
         get: |s| match s.shadow_fit {
             ShadowFit::Tight => "tight".into(),
             ShadowFit::Sphere => "sphere".into(),
@@ -303,6 +357,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "shadow-radius",
         unit: "texels",
         help: "Radius of the shadow filter, 0.5..16: softer edges against detail",
+        range: "0.5..16",
+        trades: "smooth edges of shadows against their detail",
+        exact_end: "none: every map has texels; 0.5 filters least",
         get: |s| s.shadow_radius.to_string(),
         set: |s, t| {
             s.shadow_radius = number32(t, 0.5..=16.0)?;
@@ -313,6 +370,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "textures",
         unit: "on|off",
         help: "Decode and use textures; off also leaves leaf cards uncut",
+        range: "on, off",
+        trades: "colour and outline of leaves against decoding, memory and time",
+        exact_end: "on",
         get: |s| switch_text(s.textures),
         set: |s, t| {
             s.textures = switch(t)?;
@@ -323,6 +383,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "texture-size",
         unit: "texels",
         help: "Longest texture edge that is used, 1..16384: sharpness against memory",
+        range: "1..16384",
+        trades: "sharpness against memory and decoding",
+        exact_end: "the longest edge of the textures, or more",
         get: |s| s.texture_size.to_string(),
         set: |s, t| {
             s.texture_size = integer(t, 1..=16384)?;
@@ -333,6 +396,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "anisotropy",
         unit: "ratio",
         help: "Largest ratio of anisotropic filtering, 1..16; 1 is off",
+        range: "1..16",
+        trades: "sharp textures at grazing angles against the time to sample them",
+        exact_end: "none; 16 is the closest",
         get: |s| s.anisotropy.to_string(),
         set: |s, t| {
             s.anisotropy = number32(t, 1.0..=16.0)?;
@@ -344,6 +410,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         unit: "texels",
         help: "Cut leaf cards to the outline of all texture levels with edges of at least this, 0..1024: \
                fewer fragments against faint edges of leaves a few pixels across; 0 leaves them whole",
+        range: "0..1024",
+        trades: "fewer fragments against faint edges of leaves a few pixels across",
+        exact_end: "0: whole cards",
         get: |s| s.leaf_outline.to_string(),
         set: |s, t| {
             s.leaf_outline = integer(t, 0..=1024)?;
@@ -354,6 +423,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "ground",
         unit: "on|off",
         help: "A ground plane that receives the shadow",
+        range: "on, off",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| switch_text(s.ground),
         set: |s, t| {
             s.ground = switch(t)?;
@@ -364,6 +436,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "background",
         unit: "neutral|sky|R,G,B|#rrggbb",
         help: "What stands behind the subject",
+        range: "neutral, sky, or 0..1000000 each",
+        trades: "",
+        exact_end: "changes the meaning, not the error",
         get: |s| match s.background {
             Background::Neutral => "neutral".into(),
             Background::Sky => "sky".into(),
@@ -382,6 +457,9 @@ pub const SETTINGS: &[SettingInfo] = &[
         name: "encoding",
         unit: "packed|length|float",
         help: "Vertex form of normal and k_a: 8, 12 (the paper's) or 16 bytes",
+        range: "packed, length, float",
+        trades: "bytes per vertex against rounding of normal and k_a",
+        exact_end: "float",
         get: |s| {
             match s.encoding {
                 Encoding::Packed => "packed",
@@ -446,6 +524,21 @@ mod tests {
         }
         assert_eq!(s, RenderSettings::default());
         s.check().unwrap();
+    }
+
+    #[test]
+    fn every_setting_says_its_range_and_its_exact_end() {
+        for info in SETTINGS {
+            for text in [info.range, info.exact_end] {
+                assert!(!text.is_empty(), "{}", info.name);
+            }
+            let chooses = info.exact_end.contains("changes the meaning");
+            assert!(
+                chooses || info.name == "translucency" || !info.trades.is_empty(),
+                "{}",
+                info.name
+            );
+        }
     }
 
     #[test]

@@ -58,14 +58,25 @@ pub fn camera(subject: &Subject<'_>, settings: &RenderSettings) -> Camera {
             let way = slope * (f64::from(p.y) - foot);
             Vec3::new(p.x + way.x as f32, foot as f32, p.z + way.z as f32)
         });
-    let points = g.positions.iter().copied().chain(shadow);
-    let mut camera = Camera::new(&settings.camera, lens, g.origin, points);
-    // A camera under the ground would show its lower side.
-    if settings.ground && matches!(settings.camera, CameraSpec::Orbit { .. }) {
-        let floor = g.origin.y + foot + 0.02 * height.max(1e-9);
-        camera.eye.y = camera.eye.y.max(floor);
+    let points = g.positions.iter().copied();
+    let camera = Camera::new(
+        &settings.camera,
+        lens,
+        g.origin,
+        points.clone().chain(shadow),
+    );
+    let frames = matches!(settings.camera, CameraSpec::Orbit { .. });
+    if frames && casts && !sees_ground(subject, settings, &camera) {
+        // No ground, no shadow on it: the subject alone fills the picture.
+        return Camera::new(&settings.camera, lens, g.origin, points);
     }
     camera
+}
+
+/// Whether there is a ground and the camera stands above it. From below it would hide everything.
+fn sees_ground(subject: &Subject<'_>, settings: &RenderSettings, camera: &Camera) -> bool {
+    let g = subject.geometry;
+    settings.ground && camera.eye.y > g.origin.y + f64::from(g.min.y)
 }
 
 /// Mean and radius of the sphere with the second moment of the foliage (or of everything).
@@ -144,6 +155,10 @@ impl Setup {
     pub fn new(subject: &Subject<'_>, settings: &RenderSettings) -> Self {
         let g = subject.geometry;
         let camera = camera(subject, settings);
+        let sees_ground = sees_ground(subject, settings, &camera);
+        if settings.ground && !sees_ground && !g.positions.is_empty() {
+            log::warn!("the camera stands below the ground, which is left out");
+        }
         let to_sun = settings.sun.direction();
         let sun = sun_view(subject, settings);
         let texels = settings.shadow_size as f32;
@@ -173,7 +188,7 @@ impl Setup {
             sky_ground: settings.sky.ground,
             ground_height: g.min.y,
             ground_albedo: ground_albedo(settings, horizon_color, TERM_AMBIENT | TERM_DIRECT),
-            ground_radius: if settings.ground {
+            ground_radius: if sees_ground {
                 GROUND_DIAGONALS * g.diagonal()
             } else {
                 0.0

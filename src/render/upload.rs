@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::areas::Areas;
 use super::mips;
 use super::order;
 use super::outline::{Outlines, Texels, mix_arrays, mix_normals, mix_points};
@@ -43,6 +44,8 @@ pub(super) fn format(f: PixelFormat) -> Format {
 pub(super) struct Resources {
     buffers: Vec<Buffer>,
     images: Vec<Image>,
+    /// The picture, divided by what may be seen.
+    pub(super) areas: Areas,
 }
 
 impl Resources {
@@ -83,6 +86,7 @@ impl Resources {
         let mut out = Self {
             buffers: Vec::new(),
             images: Vec::new(),
+            areas: Areas::default(),
         };
         for b in &plan.buffers {
             out.buffers
@@ -104,6 +108,15 @@ impl Resources {
         let outlines = Outlines::new(subject, batches, settings.leaf_outline, |label| {
             textures.texels(label)
         });
+        let positions = outlines.apply(&subject.geometry.positions, mix_points);
+        if plan.pass(label::SHADE_PASS).is_some() {
+            let texels = plan.image(label::SHADOW_MAP).map(|i| i.extent[0]);
+            let triangles = (&positions[..], &subject.geometry.indices[..]);
+            out.areas = Areas::new(&setup.frame, settings.size, texels, triangles);
+        }
+        out.fill(&mut work, label::POSITIONS, || {
+            positions.iter().map(|p| p.to_array()).collect()
+        })?;
         out.fill_vertices(&mut work, (plan, settings), subject, batches, &outlines)?;
         out.fill_indices(&mut work, subject, setup, batches)?;
         out.fill_overlays(&mut work, subject, setup)?;
@@ -134,10 +147,6 @@ impl Resources {
         outlines: &Outlines,
     ) -> Result<()> {
         let g = subject.geometry;
-        self.fill(work, label::POSITIONS, || {
-            let moved = outlines.apply(&g.positions, mix_points);
-            moved.iter().map(|p| p.to_array()).collect()
-        })?;
         if let Some(baked) = subject.baked.filter(|_| plan.has(Attribute::Shading)) {
             let normals = outlines.apply(baked.normals, mix_normals);
             let ambient = outlines.apply(baked.ambient, |v, w| mix_arrays(v.map(|k| [k]), w)[0]);

@@ -70,24 +70,28 @@ impl std::str::FromStr for CameraSpec {
                 .collect::<Option<_>>()
                 .ok_or_else(wrong)
         };
+        let because = |reason: String| Error::usage(format!("camera `{text}`: {reason}"));
         if let Some((eye, target)) = text.split_once('/') {
-            return match (&numbers(eye)?[..], &numbers(target)?[..]) {
-                (&[ex, ey, ez], &[tx, ty, tz]) if [ex, ey, ez] != [tx, ty, tz] => {
-                    Ok(Self::LookAt {
-                        eye: DVec3::new(ex, ey, ez),
-                        target: DVec3::new(tx, ty, tz),
-                    })
-                }
-                _ => Err(wrong()),
+            let [eye, target] = [numbers(eye)?, numbers(target)?]
+                .map(|n| <[f64; 3]>::try_from(n).map(DVec3::from_array));
+            let (Ok(eye), Ok(target)) = (eye, target) else {
+                return Err(wrong());
             };
+            if eye == target {
+                return Err(because("eye and target are the same point".into()));
+            }
+            return Ok(Self::LookAt { eye, target });
         }
         let (azimuth, elevation, distance) = match numbers(text)?[..] {
             [a, e] => (a, e, 1.0),
             [a, e, d] => (a, e, d),
             _ => return Err(wrong()),
         };
-        if !(-90.0..=90.0).contains(&elevation) || distance <= 0.0 {
-            return Err(wrong());
+        if !(-90.0..=90.0).contains(&elevation) {
+            return Err(because(format!("elevation {elevation} is not in -90..90")));
+        }
+        if distance <= 0.0 {
+            return Err(because(format!("distance {distance} is not above 0")));
         }
         Ok(Self::Orbit {
             azimuth,
@@ -473,6 +477,21 @@ mod tests {
             assert!(m.is_finite() && camera.near > 0.0, "{camera:?}");
             let view = LightView::fit(DVec3::Y, points.iter().copied(), 64, 4);
             assert!(view.relative_to_clip.is_finite());
+        }
+    }
+
+    #[test]
+    fn refusals_give_the_reason() {
+        for (text, reason) in [
+            ("0,0,0/0,0,0", "same point"),
+            ("25,95", "elevation 95"),
+            ("25,7,0", "distance 0"),
+            ("25,7,-1", "distance -1"),
+            ("25", "expected"),
+            ("1,2/3,4,5", "expected"),
+        ] {
+            let e = text.parse::<CameraSpec>().expect_err(text).to_string();
+            assert!(e.contains(reason) && e.contains(text), "{e}");
         }
     }
 

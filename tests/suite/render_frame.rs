@@ -252,6 +252,27 @@ fn nothing_gives_the_background() {
 }
 
 #[test]
+fn from_below_the_ground_the_model_is_seen_whole() {
+    let settings = RenderSettings {
+        camera: "0,-40".parse().unwrap(),
+        ground: true,
+        background: Background::Color([0.0; 3]),
+        ..plain([64, 64])
+    };
+    let p = picture(&square(), &settings, View::Textured);
+    let lit = |x: u32, y: u32| p.pixel(x, y)[..3] != [0; 3];
+    let rows: Vec<u32> = (0..64).filter(|&y| (0..64).any(|x| lit(x, y))).collect();
+    let columns: Vec<u32> = (0..64).filter(|&x| (0..64).any(|y| lit(x, y))).collect();
+    // Framed: as far from one edge as from the other, and all of it inside.
+    for seen in [&rows, &columns] {
+        let (first, last) = (seen[0], seen[seen.len() - 1]);
+        assert!(first >= 1 && last <= 62, "{first}..{last}");
+        assert!(first.abs_diff(63 - last) <= 2, "{first}..{last}");
+    }
+    assert!(columns.len() > 50, "{}", columns.len());
+}
+
+#[test]
 fn a_single_pixel_and_a_single_triangle_are_drawn() {
     let mut model = square();
     model.meshes[0].primitives[0].indices.truncate(3);

@@ -67,10 +67,10 @@ fn all() -> Vec<Row> {
         name: s.name.to_owned(),
         default: (s.get)(&picture),
         unit: s.unit,
-        range: "",
+        range: s.range,
         help: s.help,
-        trades: "",
-        exact_end: "",
+        trades: s.trades,
+        exact_end: s.exact_end,
     });
     of_foliage.chain(of_picture).collect()
 }

@@ -10,14 +10,17 @@ use crate::math::colour::linear_to_srgb;
 use crate::math::packing::{pack_normal16, unpack_normal16};
 use crate::math::sampling::{fibonacci_directions, uniform};
 use crate::reference::shade::{
-    Reflection, Surface, ambient_intensity, ground_ambient, reflected, through_record,
+    Reflection, Surface, ambient_intensity, cone_share, ground_ambient, range_window, reflected,
+    through_record,
 };
 use crate::render::setup::camera;
 use crate::render::{
     Background, Baked, CameraSpec, Encoding, Plan, RenderSettings, Renderer, ShadowFit, Sky,
     Subject, View,
 };
-use crate::scene::{Geometry, Instance, Material, Mesh, Model, Primitive};
+use crate::scene::{
+    Geometry, Instance, LightKind, Material, Mesh, Model, Primitive, PunctualLight,
+};
 
 pub(super) fn cases() -> Vec<Case> {
     vec![
@@ -27,15 +30,31 @@ pub(super) fn cases() -> Vec<Case> {
         },
         Case {
             name: "render.picture.packed",
-            run: |gpu| picture(gpu, Encoding::Packed, 1),
+            run: |gpu| picture(gpu, Encoding::Packed, 1, None),
         },
         Case {
             name: "render.picture.length",
-            run: |gpu| picture(gpu, Encoding::Length, 1),
+            run: |gpu| picture(gpu, Encoding::Length, 1, None),
         },
         Case {
             name: "render.picture.float.multisampled",
-            run: |gpu| picture(gpu, Encoding::Float, 4),
+            run: |gpu| picture(gpu, Encoding::Float, 4, None),
+        },
+        Case {
+            name: "render.shade.point",
+            run: |gpu| picture(gpu, Encoding::Float, 1, Some(lamp(LightKind::Point))),
+        },
+        Case {
+            name: "render.shade.spot",
+            run: |gpu| {
+                let (inner, outer) = (0.3, 0.8);
+                let spot = lamp(LightKind::Spot { inner, outer });
+                picture(gpu, Encoding::Float, 1, Some(spot))
+            },
+        },
+        Case {
+            name: "render.areas",
+            run: areas,
         },
         Case {
             name: "render.shadow.box",
@@ -164,8 +183,25 @@ fn wall() -> Model {
     model
 }
 
-fn picture(gpu: &Gpu, encoding: Encoding, samples: u32) -> Result<Outcome> {
-    let model = wall();
+/// A lamp before the wall whose range ends within it.
+fn lamp(kind: LightKind) -> PunctualLight {
+    PunctualLight {
+        kind,
+        color: [40.0, 30.0, 20.0],
+        position: DVec3::new(0.7, -0.4, 3.0),
+        direction: DVec3::new(-0.1, 0.2, -1.0).normalize(),
+        range: 4.5,
+    }
+}
+
+fn picture(
+    gpu: &Gpu,
+    encoding: Encoding,
+    samples: u32,
+    lamp: Option<PunctualLight>,
+) -> Result<Outcome> {
+    let mut model = wall();
+    model.lights.extend(lamp);
     let geometry = Geometry::flatten(&model);
     let spread = fibonacci_directions((QUADS * QUADS) as u32);
     // One normal and coefficient per quad, in the half-space of the viewer and outside it.
@@ -223,7 +259,9 @@ fn picture(gpu: &Gpu, encoding: Encoding, samples: u32) -> Result<Outcome> {
             (i / QUADS) as f64 - 0.5 * QUADS as f64 + 0.5,
             0.0,
         );
-        let want = eq1(&surface, material, &settings, (eye - centre).normalize());
+        // The pixel's middle lies beside the quad's.
+        let at = centre + DVec3::new(0.5, -0.5, 0.0) / f64::from(QUAD_PIXELS);
+        let want = eq1(&surface, material, &settings, [at, eye], lamp.as_ref());
         for c in 0..3 {
             let srgb = f64::from(linear_to_srgb(want[c].clamp(0.0, 1.0) as f32)) * 255.0;
             error = error.max((f64::from(pixel[c]) - srgb).abs());
@@ -236,8 +274,15 @@ fn picture(gpu: &Gpu, encoding: Encoding, samples: u32) -> Result<Outcome> {
     })
 }
 
-/// Eq. 1 for ambient light and an unshadowed sun.
-fn eq1(surface: &Surface, material: &Material, s: &RenderSettings, to_eye: DVec3) -> DVec3 {
+/// Eq. 1 at a point seen from an eye, for ambient light, an unshadowed sun, and a lamp.
+fn eq1(
+    surface: &Surface,
+    material: &Material,
+    s: &RenderSettings,
+    [at, eye]: [DVec3; 2],
+    lamp: Option<&PunctualLight>,
+) -> DVec3 {
+    let to_eye = (eye - at).normalize();
     let roughness = f64::from(material.roughness);
     let reflection = Reflection {
         albedo: surface.albedo,
@@ -247,9 +292,73 @@ fn eq1(surface: &Surface, material: &Material, s: &RenderSettings, to_eye: DVec3
     };
     let n = surface.normal;
     let ambient = ambient_intensity(n, wide(s.sky.zenith), wide(s.sky.ground));
-    let light = surface.albedo * surface.ambient * ambient
+    let mut light = surface.albedo * surface.ambient * ambient
         + wide(s.sun.color) * reflected(n, s.sun.direction(), to_eye, &reflection);
+    if let Some(lamp) = lamp {
+        let to_lamp = lamp.position - at;
+        let d2 = to_lamp.length_squared();
+        let to_lamp = to_lamp.normalize();
+        let mut intensity = range_window(d2, lamp.range.into()) / (d2 * std::f64::consts::PI);
+        if let LightKind::Spot { inner, outer } = lamp.kind {
+            let [inner, outer] = [inner, outer].map(|a| f64::from(a).cos());
+            intensity *= cone_share(-to_lamp.dot(lamp.direction), outer, 1.0 / (inner - outer));
+        }
+        light += wide(lamp.color) * intensity * reflected(n, to_lamp, to_eye, &reflection);
+    }
     light * f64::from(s.exposure)
+}
+
+/// A few cards in the air over the ground, seen from outside, from between them (one reaches
+/// through the near plane), from below, and without a ground: the picture that is divided into
+/// areas against the one that is shaded everywhere alike.
+fn areas(gpu: &Gpu) -> Result<Outcome> {
+    let mut model = wall();
+    for (i, mesh) in (0u32..).zip(&mut model.meshes) {
+        let r = |k: u32| uniform(5, 8 * i + k) as f32;
+        for p in &mut mesh.primitives[0].positions {
+            *p = [
+                0.5 * p[0] + r(0),
+                0.4 * p[1] + 4.0,
+                3.0 * r(1) - 1.5 + 0.3 * p[0],
+            ];
+        }
+    }
+    let geometry = Geometry::flatten(&model);
+    let subject = Subject::new(&model, &geometry);
+    let mut error = 0f64;
+    let mut divided = 0;
+    for (camera, samples, ground) in [
+        ("20,15,1.6", 4, true),
+        ("0,4,0/1,3.5,-1", 4, true),
+        ("200,60,2.5", 1, true),
+        ("3,0.5,3/9,1.5,9", 1, true),
+        ("40,-35", 4, true),
+        ("40,5,2", 4, false),
+    ] {
+        let settings = RenderSettings {
+            size: [150, 101],
+            samples,
+            ground,
+            shadow_size: 256,
+            camera: camera.parse()?,
+            ..RenderSettings::default()
+        };
+        for view in [View::Textured, View::Combined] {
+            let plan = Plan::new(&subject, &settings, &[view])?;
+            let mut renderer = Renderer::new(gpu, &subject, &settings, plan)?;
+            let apart = renderer.render_view(view)?.picture;
+            divided += usize::from(renderer.divide_nothing());
+            renderer.forget();
+            let alike = renderer.render_view(view)?.picture;
+            let differing = apart.rgba.iter().zip(&alike.rgba).filter(|(a, b)| a != b);
+            error += differing.count() as f64;
+        }
+    }
+    Ok(Outcome {
+        error: if divided >= 6 { error } else { f64::NAN },
+        limit: 0.0,
+        measure: "differing bytes",
+    })
 }
 
 /// A lid over a floor, sun from straight above: pixels of the floor under the lid get no sun, the
