@@ -194,7 +194,7 @@ fn glossy(gpu: &Gpu, safe: bool) -> Result<Outcome> {
     Ok(Outcome {
         error: errors.fold(0.0, largest),
         // The rounding of cos_half to f32 alone is 2 tan / (m^2 cos^2) times 6e-8.
-        limit: 2e-3,
+        limit: 1e-4,
         measure: "relative, above 0.01 / sr",
     })
 }
