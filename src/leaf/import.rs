@@ -8,7 +8,9 @@ use std::sync::Arc;
 use super::appearance::{
     Face, LeafMaterial, Mode, Side, SideOptics, USUAL_GLOSS, USUAL_THICKNESS_MM,
 };
+use super::fit::{Channel, exact_thickness};
 use super::maps::SideMaps;
+use super::slab_table::SlabTable;
 use super::species::{DRAWN_SIZE, LeafSpecies};
 use crate::Result;
 use crate::math::colour::{linear_to_srgb8, srgb8_to_linear};
@@ -43,28 +45,21 @@ pub fn leaf_of_material(model: &Model, material: &Material) -> Result<LeafMateri
         decode(&model.images[image]).map(Some)
     };
     let base = texture(&material.base_color_texture)?;
-    let cutoff = match material.alpha_mode {
-        AlphaMode::Opaque => None,
-        AlphaMode::Mask { cutoff } => Some(cutoff),
-        AlphaMode::Blend => Some(0.5),
-    };
-    let mask: Option<Arc<[f32]>> = base.as_ref().zip(cutoff).map(|(image, cutoff)| {
-        let visible = |p: &[u8]| {
-            let alpha = f32::from(p[3]) / 255.0 * material.base_color[3];
-            f32::from(u8::from(alpha >= cutoff))
-        };
-        image.pixels.chunks_exact(4).map(visible).collect()
-    });
+    let mask = base.as_ref().and_then(|image| visible(material, image));
     let mean = base
         .as_ref()
         .map_or([1.0; 3], |image| mean_colour(image, mask.as_deref()));
     let diffuse = 1.0 - f64::from(material.metallic.clamp(0.0, 1.0));
     let colour: [f64; 3] =
         std::array::from_fn(|c| diffuse * f64::from(material.base_color[c].max(0.0)) * mean[c]);
-    let (rho_d, rho_t) = match &material.diffuse_transmission {
+    let transmission = material.diffuse_transmission.as_ref();
+    let light = texture(&transmission.and_then(|d| d.color_texture))?;
+    let (rho_d, rho_t) = match transmission {
         Some(d) => {
-            let tint =
-                texture(&d.color_texture)?.map_or([1.0; 3], |image| mean_colour(&image, None));
+            let tint = light.as_ref().map_or([1.0; 3], |image| {
+                let fits = |m: &&[f32]| 4 * m.len() == image.pixels.len();
+                mean_colour(image, mask.as_deref().filter(fits))
+            });
             let share = texture(&d.texture)?.map_or(1.0, |image| mean_alpha(&image));
             let f = (f64::from(d.factor) * share).clamp(0.0, 1.0);
             let through = |c: usize| diffuse * f * f64::from(d.color[c]) * tint[c];
@@ -80,7 +75,19 @@ pub fn leaf_of_material(model: &Model, material: &Material) -> Result<LeafMateri
     side.rho_s = [USUAL_GLOSS; 3];
     // glTF's roughness is the square root of Beckmann's alpha.
     side.m = material.roughness.powi(2).clamp(0.05, 1.0);
-    side.maps = base.map(|image| Arc::new(gamma_maps(&image, mean, side.m)));
+    // Where nothing is said of the light that goes through, it is taken to follow the colour.
+    let light = if transmission.is_some() {
+        light.as_ref()
+    } else {
+        base.as_ref()
+    };
+    side.maps = base.as_ref().map(|image| {
+        let mut maps = gamma_maps(image, mean, side.m);
+        if let Some(light) = light.filter(|l| (l.width, l.height) == (image.width, image.height)) {
+            thicken(&mut maps, &side, light, mask.as_deref());
+        }
+        Arc::new(maps)
+    });
     let leaf = LeafMaterial {
         name: material.name.clone(),
         thickness_mm: USUAL_THICKNESS_MM,
@@ -91,6 +98,20 @@ pub fn leaf_of_material(model: &Model, material: &Material) -> Result<LeafMateri
     };
     leaf.check()?;
     Ok(leaf)
+}
+
+/// Where a material's alpha lets its texture be seen; `None`: everywhere.
+fn visible(material: &Material, image: &Rgba8) -> Option<Arc<[f32]>> {
+    let cutoff = match material.alpha_mode {
+        AlphaMode::Opaque => return None,
+        AlphaMode::Mask { cutoff } => cutoff,
+        AlphaMode::Blend => 0.5,
+    };
+    let texel = |p: &[u8]| {
+        let alpha = f32::from(p[3]) / 255.0 * material.base_color[3];
+        f32::from(u8::from(alpha >= cutoff))
+    };
+    Some(image.pixels.chunks_exact(4).map(texel).collect())
 }
 
 /// The measured leaf behind a leaf material that the plant generator has just made.
@@ -137,6 +158,40 @@ fn mean_colour(image: &Rgba8, mask: Option<&[f32]>) -> [f64; 3] {
         sum.map(|s| s / weight)
     } else {
         mean_colour(image, None)
+    }
+}
+
+/// Thickness such that the green light that goes through follows `light`, and gamma such that the
+/// reflectance stays. An image of bytes has 256 greens, so each is solved for once.
+fn thicken(maps: &mut SideMaps, side: &Side, light: &Rgba8, mask: Option<&[f32]>) {
+    let columns = [0, 1, 2].map(|c| SlabTable::shared().at(side.omega(c)));
+    let deltas = [0, 1, 2].map(|c| side.sigma_t(c) * USUAL_THICKNESS_MM);
+    let usual = [0, 1, 2].map(|c| columns[c].share(deltas[c]));
+    let mean = mean_colour(light, mask)[1].max(1e-6);
+    let of_green: Vec<(f32, [f32; 3])> = (0..=255)
+        .map(|byte| {
+            let wanted = usual[1].t * f64::from(srgb8_to_linear(byte)) / mean;
+            let d = exact_thickness(&[Channel {
+                column: &columns[1],
+                delta: deltas[1],
+                mean: usual[1].t,
+                measured: wanted.clamp(1e-4, 0.97),
+            }]);
+            let gamma = |c: usize| {
+                let r = columns[c].share(deltas[c] * (1.0 + d)).r;
+                (usual[c].r / r.max(1e-6)) as f32
+            };
+            (d as f32, [0, 1, 2].map(gamma))
+        })
+        .collect();
+    for (texel, p) in maps
+        .gamma_delta
+        .iter_mut()
+        .zip(light.pixels.chunks_exact(4))
+    {
+        let (d, gamma) = of_green[usize::from(p[1])];
+        texel[3] = d;
+        (0..3).for_each(|c| texel[c] *= gamma[c]);
     }
 }
 
