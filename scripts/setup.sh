@@ -26,6 +26,12 @@ if ! command -v cargo >/dev/null; then
     echo "setup: Rust is missing; rustup (https://rustup.rs) installs it" >&2
     exit 2
 fi
+needed=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' "$(dirname "$0")/../Cargo.toml")
+found=$(cargo --version | cut -d' ' -f2)
+if [ "$(printf '%s\n' "$needed" "$found" | sort --version-sort | head -1)" != "$needed" ]; then
+    echo "setup: Rust $found is too old, $needed is needed; rustup update installs it" >&2
+    exit 2
+fi
 if ! command -v dpkg-query >/dev/null; then
     echo "setup: this is no Debian; install what these packages hold: ${wanted[*]}" >&2
     exit 2

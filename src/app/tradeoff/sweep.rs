@@ -339,8 +339,11 @@ impl<'a> Sweep<'a> {
     }
 }
 
-/// Device time of all passes.
+/// Device time of all passes; not a number where none ran (rays are traced on the CPU).
 pub(super) fn milliseconds(baked: &Baked) -> f64 {
+    if baked.times.is_empty() {
+        return f64::NAN;
+    }
     baked
         .times
         .iter()
