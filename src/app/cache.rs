@@ -6,6 +6,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use super::output::write_atomically;
 
@@ -14,6 +15,9 @@ const MAGIC: [u8; 8] = *b"umbrage\0";
 
 /// Bytes before the content: magic, kind, version, key, length, checksum.
 const HEADER: usize = 8 + 4 + 4 + 32 + 8 + 32;
+
+/// Bytes that the entries of one kind may take together; beyond, those used longest ago go.
+const MOST_BYTES: u64 = 1 << 30;
 
 /// A kind of result, with the version of its file form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,6 +75,11 @@ impl Cache {
         match content(&bytes, kind, key) {
             Ok(content) => {
                 log::debug!("cache: {} read", path.display());
+                // Used now; where that cannot be noted the entry only ages faster.
+                let _ = fs::File::options()
+                    .append(true)
+                    .open(&path)
+                    .and_then(|file| file.set_modified(SystemTime::now()));
                 Some(content.to_vec())
             }
             Err(reason) => {
@@ -91,14 +100,39 @@ impl Cache {
         let kept = fs::create_dir_all(folder)
             .map_err(|e| crate::Error::file(folder, e))
             .and_then(|()| write_atomically(&path, &bytes));
-        if let Err(error) = kept {
-            log::warn!("cache: {error}");
+        match kept {
+            Ok(()) => prune(folder, &kind.extension(), MOST_BYTES),
+            Err(error) => log::warn!("cache: {error}"),
         }
     }
 
     fn path(&self, kind: Kind, key: &blake3::Hash) -> Option<PathBuf> {
         let name = format!("{}.{}", key.to_hex(), kind.extension());
         self.folder.as_ref().map(|folder| folder.join(name))
+    }
+}
+
+/// Removes the files with `extension` that were used longest ago until the others fit into `most`
+/// bytes. Never the newest: it was asked for just now.
+fn prune(folder: &Path, extension: &str, most: u64) {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut files: Vec<(SystemTime, u64, PathBuf)> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|e| e == extension))
+        .filter_map(|path| {
+            let metadata = fs::metadata(&path).ok()?;
+            Some((metadata.modified().ok()?, metadata.len(), path))
+        })
+        .collect();
+    files.sort_unstable_by(|a, b| b.cmp(a));
+    let mut bytes = 0;
+    for (i, (_, length, path)) in files.iter().enumerate() {
+        bytes += length;
+        if i > 0 && bytes > most {
+            log::debug!("cache: {} makes room", path.display());
+            // Another run may have removed it already.
+            let _ = fs::remove_file(path);
+        }
     }
 }
 
@@ -172,6 +206,30 @@ mod tests {
         }
         fs::write(&path, [&whole[..], b"x"].concat()).unwrap();
         assert_eq!(cache.load(KIND, &key), None, "one byte more");
+    }
+
+    #[test]
+    fn what_was_used_longest_ago_makes_room() {
+        let folder = tempfile::tempdir().unwrap();
+        for (age, name) in [(3, "a.bake"), (1, "b.bake"), (2, "c.bake"), (9, "d.bin")] {
+            let path = folder.path().join(name);
+            fs::write(&path, [0; 10]).unwrap();
+            let used = SystemTime::now() - std::time::Duration::from_secs(age);
+            let file = fs::File::options().append(true).open(&path).unwrap();
+            file.set_modified(used).unwrap();
+        }
+        let names = || {
+            let entries = fs::read_dir(folder.path()).unwrap();
+            let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name()).collect();
+            names.sort();
+            names
+        };
+        prune(folder.path(), "bake", 30);
+        assert_eq!(names().len(), 4, "all fit");
+        prune(folder.path(), "bake", 20);
+        assert_eq!(names(), ["b.bake", "c.bake", "d.bin"], "the oldest goes");
+        prune(folder.path(), "bake", 1);
+        assert_eq!(names(), ["b.bake", "d.bin"], "the newest stays");
     }
 
     #[test]

@@ -24,7 +24,8 @@ pub struct GlobalArgs {
     /// Neither read nor write cached bakes and pipelines
     #[arg(long, global = true)]
     pub no_cache: bool,
-    /// Folder of cached bakes and pipelines (`$XDG_CACHE_HOME/umbrage` unless given)
+    /// Folder of cached bakes and pipelines (`$XDG_CACHE_HOME/umbrage` unless given); bakes take at
+    /// most 1 GiB of it, those used longest ago go first
     #[arg(long, global = true, value_name = "FOLDER")]
     pub cache_dir: Option<PathBuf>,
     /// Say more (twice: everything)
