@@ -136,6 +136,7 @@ impl Geometry {
         out.place(&world);
         out.repair_normals();
         out.count_degenerate();
+        out.count_untextured(model);
         out
     }
 
@@ -178,8 +179,30 @@ impl Geometry {
             repair_normals(&self.positions, &mut self.normals, &self.indices);
         if repaired + hopeless > 0 {
             self.warnings.push(format!(
-                "{} vertices without a usable normal: {repaired} made from their faces, {hopeless} set to +y",
-                repaired + hopeless
+                "{} without a usable normal: {repaired} made from their faces, {hopeless} set to +y",
+                counted(repaired + hopeless, "vertex", "vertices")
+            ));
+        }
+    }
+
+    /// Counts parts whose material has a texture that they have no coordinates for.
+    fn count_untextured(&mut self, model: &Model) {
+        let lacks = |part: &&Part| {
+            let primitive = &model.meshes[part.mesh].primitives[part.primitive];
+            let material = model.materials.get(part.material);
+            let texture = material.and_then(|m| m.base_color_texture);
+            texture.is_some_and(|t| match t.texcoord {
+                0 => primitive.texcoords.is_empty(),
+                1 => primitive.texcoords1.is_empty(),
+                _ => false,
+            })
+        };
+        let lacking = self.parts.iter().filter(lacks).count();
+        if lacking > 0 {
+            self.warnings.push(format!(
+                "{} without the texture coordinates that the material's texture needs: drawn with \
+                 one texel",
+                counted(lacking, "part", "parts")
             ));
         }
     }
@@ -192,7 +215,10 @@ impl Geometry {
         });
         let flat = flat.count();
         if flat > 0 {
-            self.warnings.push(format!("{flat} triangles without area"));
+            self.warnings.push(format!(
+                "{} without area",
+                counted(flat, "triangle", "triangles")
+            ));
         }
         let mut repeated = 0;
         let mut seen: HashSet<u64, BuildHasherDefault<Digest>> = HashSet::default();
@@ -206,10 +232,18 @@ impl Geometry {
             repeated += digests.filter(|d| !seen.insert(*d)).count();
         }
         if repeated > 0 {
-            self.warnings
-                .push(format!("{repeated} vertices repeat another one exactly"));
+            self.warnings.push(match repeated {
+                1 => "1 vertex repeats another one exactly".into(),
+                n => format!("{n} vertices repeat another one exactly"),
+            });
         }
     }
+}
+
+/// `1 part`, `2 parts`.
+#[must_use]
+pub fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
 }
 
 /// 64 bits that tell vertices apart; for counting, so that a clash would not matter.
@@ -338,8 +372,8 @@ mod tests {
         let told = g.warnings.join("; ");
         for part in [
             "1 made from their faces",
-            "1 triangles without area",
-            "1 vertices repeat",
+            "1 triangle without area",
+            "1 vertex repeats",
         ] {
             assert!(told.contains(part), "{told}");
         }

@@ -123,11 +123,17 @@ fn attributes_of_every_kind_are_read() {
     assert_eq!(p.ambient, [0.25, 1.0, 1.0]);
     assert_eq!(model.materials.len(), 1, "the default material is appended");
     let told = model.warnings.join("; ");
+    assert!(told.contains("1 texture coordinates or colours"), "{told}");
     assert!(
-        told.contains("2 normals") && told.contains("1 texture coordinates or colours"),
-        "{told}"
+        !told.contains("normal"),
+        "counted once, where it is repaired: {told}"
     );
     let g = Geometry::flatten(&model);
+    let told = g.warnings.join("; ");
+    assert!(
+        told.contains("2 vertices without a usable normal"),
+        "{told}"
+    );
     assert!(g.normals.iter().all(|n| n.is_normalized()));
     assert_eq!(g.ambient, [0.25, 1.0, 1.0]);
 }
@@ -330,6 +336,28 @@ fn obj(mtl: &str, files: &[(&str, [u8; 4])], given: &[(&str, &str)]) -> Result<M
         textures: given.collect(),
     };
     load(&path, &options).map_err(|e| e.to_string())
+}
+
+#[test]
+fn faces_made_for_a_texture_and_textures_without_coordinates_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("Oak.obj");
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl Leaf\nf 1/1 2/1 3/1\n";
+    std::fs::write(&path, text).unwrap();
+    let told = load(&path, &LoadOptions::default())
+        .unwrap()
+        .warnings
+        .join("; ");
+    assert!(
+        told.contains("no texture is named or found for Leaf"),
+        "{told}"
+    );
+    let bare = obj("newmtl Leaf\nmap_Kd a.png\n", &[("a.png", [9; 4])], &[]).unwrap();
+    let told = Geometry::flatten(&bare).warnings.join("; ");
+    assert!(
+        told.contains("1 part without the texture coordinates"),
+        "{told}"
+    );
 }
 
 #[test]

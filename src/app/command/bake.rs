@@ -11,6 +11,7 @@ use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::foliage::{self, bake::Bake};
 use crate::scene::export::{self, BackFaces, BakedPart, Channel, ExportOptions};
+use crate::scene::geometry::counted;
 use crate::scene::{Geometry, Model, SceneFile};
 use crate::{Error, Result};
 
@@ -154,8 +155,10 @@ fn report(
         })
         .collect();
     text += &format!(
-        "{} foliage vertices, {} covered, {} generators\n",
-        s.foliage_vertices, s.covered_vertices, s.generators
+        "{}, {} covered, {}\n",
+        counted(s.foliage_vertices, "foliage vertex", "foliage vertices"),
+        s.covered_vertices,
+        counted(s.generators, "generator", "generators")
     );
     if context.timings() {
         text += &format!("\n{}", timings.table());

@@ -12,6 +12,7 @@ use crate::app::{Context, Report};
 use crate::foliage::{Recipe, Split};
 use crate::render::plan::human_bytes;
 use crate::render::{Baked, FieldGrid, Plan, Subject, SurfaceMesh, View};
+use crate::scene::geometry::counted;
 use crate::scene::{AlphaMode, Geometry, ImageSource, Model};
 use crate::{Error, Result};
 
@@ -109,11 +110,13 @@ fn describe_model(
     let triangles = geometry.indices.len() / 3;
     let _ = writeln!(
         text,
-        "{}: {} meshes, {} instances, {vertices} vertices, {triangles} triangles, {} lights",
+        "{}: {}, {}, {}, {}, {}",
         model.name,
-        model.meshes.len(),
-        model.instances.len(),
-        model.lights.len(),
+        counted(model.meshes.len(), "mesh", "meshes"),
+        counted(model.instances.len(), "instance", "instances"),
+        counted(vertices, "vertex", "vertices"),
+        counted(triangles, "triangle", "triangles"),
+        counted(model.lights.len(), "light", "lights"),
     );
     let _ = writeln!(
         text,

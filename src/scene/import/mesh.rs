@@ -17,7 +17,6 @@ use crate::scene::model::{Mesh, Primitive};
 pub(super) struct Counts {
     pub(super) not_triangles: usize,
     pub(super) without_position: usize,
-    pub(super) bad_normals: usize,
     pub(super) bad_values: usize,
     pub(super) loose_indices: usize,
     pub(super) morphed: usize,
@@ -35,10 +34,6 @@ impl Counts {
             (
                 self.without_position,
                 "primitives without POSITION are left out",
-            ),
-            (
-                self.bad_normals,
-                "normals of zero length or not finite are made anew from faces",
             ),
             (
                 self.bad_values,
@@ -174,7 +169,7 @@ impl Reader<'_> {
         let mut normals = self.source.vectors::<3>(i).of(|| "NORMAL".into())?;
         for v in &mut normals {
             let unit = glam::Vec3::from(*v).normalize_or_zero();
-            self.counts.bad_normals += usize::from(unit == glam::Vec3::ZERO);
+            // Those of zero length or not finite become zero: `Geometry` counts and repairs them.
             // Leave unit vectors alone to the bit.
             if unit == glam::Vec3::ZERO || (glam::Vec3::from(*v).length() - 1.0).abs() > 1e-4 {
                 *v = unit.into();

@@ -262,12 +262,9 @@ impl Parser {
             },
             [1.0; 3],
         );
-        let mut bad_normals = 0;
         for object in std::mem::take(&mut self.objects) {
             let builders = object.builders.iter();
-            let primitives: Vec<_> = builders
-                .map(|b| self.primitive(b, offset, &mut bad_normals))
-                .collect();
+            let primitives: Vec<_> = builders.map(|b| self.primitive(b, offset)).collect();
             if primitives.is_empty() {
                 continue;
             }
@@ -286,10 +283,6 @@ impl Parser {
         }
         let rows = [
             (
-                bad_normals,
-                "normals of zero length or not finite are made anew from faces",
-            ),
-            (
                 self.short_faces,
                 "faces of fewer than three corners are left out",
             ),
@@ -304,7 +297,7 @@ impl Parser {
             .extend(told.map(|(n, what)| format!("{n} {what}")));
     }
 
-    fn primitive(&self, b: &Builder, offset: DVec3, bad_normals: &mut usize) -> Primitive {
+    fn primitive(&self, b: &Builder, offset: DVec3) -> Primitive {
         let has = |pick: fn(&Corner) -> bool| b.corners.iter().any(pick);
         let mut out = Primitive {
             material: b.material,
@@ -324,7 +317,6 @@ impl Parser {
             for c in corners.clone() {
                 let v = c.2.map_or([0.0; 3], |i| self.normals[i as usize]);
                 let unit = glam::Vec3::from(v).normalize_or_zero();
-                *bad_normals += usize::from(unit == glam::Vec3::ZERO);
                 out.normals.push(unit.into());
             }
         }

@@ -47,7 +47,27 @@ pub(super) fn build(
             .of(|| format!("material {name}"))?;
         builder.model.materials.push(material);
     }
+    warn_of_missing(model);
     Ok(())
+}
+
+/// Faces with texture coordinates were made for a texture; where there is none the picture is
+/// plain, and the user is told why.
+fn warn_of_missing(model: &mut Model) {
+    let primitives = || model.meshes.iter().flat_map(|m| &m.primitives);
+    let plain = |(i, m): (usize, &Material)| {
+        let mapped = primitives().any(|p| p.material == i && !p.texcoords.is_empty());
+        (mapped && m.base_color_texture.is_none()).then(|| m.name.clone())
+    };
+    let materials = model.materials.iter().enumerate();
+    let missing: Vec<String> = materials.filter_map(plain).collect();
+    if !missing.is_empty() {
+        model.warnings.push(format!(
+            "no texture is named or found for {}: drawn in one colour; give some with --texture \
+             MATERIAL=FILE",
+            missing.join(", ")
+        ));
+    }
 }
 
 struct Builder<'a> {
