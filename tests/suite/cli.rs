@@ -292,3 +292,93 @@ fn grown_plants_are_named_as_they_were_asked_for() {
         &["grow:lime:1:0: no foliage"],
     );
 }
+
+#[test]
+fn pictures_larger_than_the_device_holds_name_the_options() {
+    let place = Place::new();
+    place.assert_refused(
+        &[
+            "render",
+            "grow:shrub:1:50",
+            "-o",
+            "x.png",
+            "--view",
+            "standard",
+        ]
+        .into_iter()
+        .chain(["--size", "16384x16384"])
+        .collect::<Vec<_>>(),
+        &["--size 16384x16384", "--samples 4", "at most"],
+    );
+}
+
+#[test]
+fn cameras_that_cannot_be_say_why() {
+    let place = Place::new();
+    for (camera, reason) in [
+        ("0,0,0/0,0,0", "same point"),
+        ("25,95", "elevation 95 is not in -90..90"),
+        ("25,7,0", "distance 0 is not above 0"),
+        ("25", "expected AZIMUTH,ELEVATION"),
+    ] {
+        let arguments = ["render", "none.glb", "-o", "x.png", "--camera", camera];
+        place.assert_refused(&arguments, &["--camera: ", reason]);
+    }
+}
+
+#[test]
+fn every_setting_has_a_range_and_an_exact_end() {
+    let place = Place::new();
+    let report = place.json(&["settings"]);
+    let settings = report["settings"].as_array().unwrap();
+    assert!(settings.len() > 40, "both tables");
+    for setting in settings {
+        for key in ["name", "default", "range", "help", "exact_end"] {
+            let text = setting[key].as_str().unwrap();
+            assert!(!text.is_empty(), "{key} of {setting:#}");
+        }
+        let unused = setting["table"] == "foliage" && setting["name"] == "encoding";
+        assert!(!unused, "no command takes it: {setting:#}");
+    }
+}
+
+#[test]
+fn an_unwritable_cache_is_told_once() {
+    let place = Place::new();
+    let file = place.write("file", "");
+    let arguments = [
+        "--cache-dir",
+        &file,
+        "bake",
+        "grow:shrub:1:50",
+        "-o",
+        "out.glb",
+    ];
+    let output = place.umbrage(&[&arguments[..], &["--cells", "8"]].concat());
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert_eq!(text.matches("cache").count(), 1, "{text}");
+}
+
+#[test]
+fn a_bake_without_ambient_writes_none() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    let arguments = [
+        "bake",
+        &tree,
+        "-o",
+        "out.glb",
+        "--ambient",
+        "none",
+        "--cells",
+        "8",
+    ];
+    assert_eq!(place.umbrage(&arguments).status.code(), Some(0), "baked");
+    let bytes = std::fs::read(place.path("out.glb")).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    assert!(
+        text.contains("NORMAL") && !text.contains("_AMBIENT"),
+        "no attribute"
+    );
+}

@@ -111,7 +111,8 @@ pub struct BakeArgs {
     /// Model to write (GLB); for a scene, the folder of one GLB per plant
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Also write the ambient coefficient into a channel of the vertex colours
+    /// Also write the ambient coefficient into a channel of the vertex colours: a, since viewers
+    /// multiply the colour of the leaves by r, g and b
     #[arg(long, value_name = "CHANNEL")]
     pub ambient_channel: Option<ColorChannel>,
     /// Also write the ambient coefficient as an occlusion texture
@@ -174,7 +175,8 @@ pub struct GrowArgs {
     /// Same seed, same plant
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Number of leaves (their size follows, so that the leaf area stays) [default: the species']
+    /// Number of leaves (their size follows, so that the leaf area stays); 0 grows a bare plant
+    /// [default: the species']
     #[arg(long)]
     pub leaves: Option<u32>,
     /// Fineness of the wood's mesh, 0.25 to 4

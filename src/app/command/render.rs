@@ -4,7 +4,6 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::Result;
 use crate::app::cli::RenderArgs;
 use crate::app::input::Source;
 use crate::app::output::{PendingFile, check_apart, check_ending};
@@ -13,7 +12,13 @@ use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::foliage::{Bake, Surface, Surfaced};
-use crate::render::{self, Baked, FieldGrid, Picture, Plan, Renderer, Subject, SurfaceMesh, View};
+use crate::gpu::Gpu;
+use crate::render::plan::human_bytes;
+use crate::render::planned::PlannedImage;
+use crate::render::{
+    self, Baked, FieldGrid, Picture, Plan, RenderSettings, Renderer, Subject, SurfaceMesh, View,
+};
+use crate::{Error, Result};
 
 /// Draws the picture.
 ///
@@ -89,6 +94,7 @@ fn draw(
     let plan = Plan::new(&subject, &settings, views)?;
     let device_bytes = plan.bytes();
     let gpu = context.gpu()?;
+    check_size(gpu, &settings, &plan)?;
     let _working = console::working("drawing");
     let mut renderer =
         timings.measure("upload", || Renderer::new(gpu, &subject, &settings, plan))?;
@@ -103,6 +109,29 @@ fn draw(
         pictures,
         device_bytes,
     })
+}
+
+/// Says which option asks for more than the device has, before anything is allocated.
+fn check_size(gpu: &Gpu, settings: &RenderSettings, plan: &Plan) -> Result<()> {
+    let (name, limits) = (&gpu.info().name, &gpu.info().limits);
+    let [w, h] = settings.size;
+    let side = limits.max_image_2d;
+    if w.max(h) > side {
+        return Err(Error::Unsupported(format!(
+            "--size {w}x{h}: {name} draws pictures of up to {side}x{side} pixels"
+        )));
+    }
+    let most = limits.max_allocation.min(limits.device_memory);
+    let targets = plan.images.iter().filter(|i| i.extent == settings.size);
+    match targets.map(PlannedImage::bytes).max() {
+        Some(bytes) if bytes > most => Err(Error::Unsupported(format!(
+            "--size {w}x{h} with --samples {}: one target takes {}, {name} allocates at most {}",
+            settings.samples,
+            human_bytes(bytes),
+            human_bytes(most)
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// The surface and its grid, where a view shows them.
