@@ -223,6 +223,21 @@ fn edited_leaves_keep_the_suns_maps() {
 }
 
 #[test]
+fn light_and_rays_are_timed() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    let runs = ["-n", "1", "--warm-up", "0", "--size", "64x64"];
+    let report = place.json(&[&["bench", "light", &tree][..], &runs].concat());
+    let passes = report["passes"].as_array().unwrap();
+    let has = |pass: &str| passes.iter().any(|p| p["stage"] == pass);
+    for pass in ["trace", "bounce", "gather", "sky and leaf light", "sun"] {
+        assert!(has(pass), "{pass} in {report:#}");
+    }
+    let report = place.json(&[&["bench", "rays", &tree][..], &runs].concat());
+    assert_eq!(report["rows"].as_array().unwrap().len(), 2, "{report:#}");
+}
+
+#[test]
 fn wrong_light_is_refused() {
     let place = Place::new();
     let tree = place.write("tree.glb", small_tree().glb());

@@ -260,6 +260,8 @@ pub enum BenchWhat {
     Bake,
     /// One frame.
     Render,
+    /// Precomputing and drawing the light of leaves.
+    Light,
     /// Rays from the leaves into all directions.
     Rays,
 }
@@ -270,6 +272,7 @@ Examples:
   umbrage bench bake oak.glb
   umbrage bench bake oak.glb --normals vertex --cells 96 --json
   umbrage bench render oak.glb --size 800x600 -n 20
+  umbrage bench light oak.glb --size 800x600
   umbrage bench rays oak.glb";
 }
 

@@ -30,16 +30,17 @@ impl std::str::FromStr for Triple {
 }
 
 /// Which axis of the model points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Up {
     /// +y, as in glTF.
+    #[default]
     Y,
     /// +z.
     Z,
 }
 
 /// What leaves make of light, where the model does not say it.
-#[derive(Debug, Clone, Args)]
+#[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Leaves")]
 pub struct OpticsArgs {
     /// Axis of the model that points up

@@ -20,8 +20,10 @@ use crate::render::{Plan, Renderer};
 /// # Errors
 /// Wrong input or settings, a failing device.
 pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
-    if args.what == BenchWhat::Rays {
-        return super::bench_rays::run(context, args);
+    match args.what {
+        BenchWhat::Light => return super::bench_light::run(context, args),
+        BenchWhat::Rays => return super::bench_rays::run(context, args),
+        BenchWhat::Bake | BenchWhat::Render => {}
     }
     let mut stages = Timings::default();
     let model = &args.input.model;
@@ -35,7 +37,7 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
     let measured = match args.what {
         BenchWhat::Bake => bench_bake(context, args, &prepared, &mut stages)?,
         BenchWhat::Render => bench_render(context, args, &prepared, &mut stages)?,
-        BenchWhat::Rays => unreachable!("has a command of its own"),
+        BenchWhat::Light | BenchWhat::Rays => unreachable!("have commands of their own"),
     };
     Ok(report(
         args,
@@ -158,6 +160,7 @@ fn report(
     let what = match args.what {
         BenchWhat::Bake => "bake",
         BenchWhat::Render => "render",
+        BenchWhat::Light => "light",
         BenchWhat::Rays => "rays",
     };
     let text = format!(
