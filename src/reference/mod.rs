@@ -8,6 +8,7 @@ pub mod encode;
 pub mod generators;
 pub mod leaf_albedo;
 pub mod leaf_glossy;
+pub mod lit;
 pub mod lvc;
 pub mod marching_cubes;
 pub mod prt;

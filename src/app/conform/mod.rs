@@ -11,6 +11,7 @@ mod foliage_surface;
 mod gpu;
 mod leaf;
 mod light;
+mod lit;
 mod render;
 mod skylight;
 
@@ -91,5 +92,6 @@ pub fn cases() -> Vec<Case> {
     cases.extend(leaf::cases());
     cases.extend(render::cases());
     cases.extend(light::cases());
+    cases.extend(lit::cases());
     cases
 }

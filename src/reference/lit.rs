@@ -1,0 +1,78 @@
+//! The sun on a pixel.
+//!
+//! Twin of `shaders/leaf/lit_sun.comp` and `shaders/include/leaf_brdf.glsl`.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use crate::abi::{LeafSides, LitFrame};
+
+/// What the first pass leaves for a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pixel {
+    /// Light so far.
+    pub light: DVec3,
+    /// Unit normal of the front.
+    pub normal: DVec3,
+    /// Visibility of the sun plus 1, negative on the back.
+    pub surface: f64,
+    /// Colour of the texture over its mean.
+    pub tint: DVec3,
+}
+
+/// Beckmann's distribution of slopes over cos^4.
+fn slope_distribution(cos_h: f64, m: f64) -> f64 {
+    let c2 = (cos_h * cos_h).max(1e-8);
+    ((1.0 - 1.0 / c2) / (m * m)).exp() / (PI * m * m * c2 * c2)
+}
+
+/// Light scattered towards `to_eye` from `to_light`, times the cosine of the light.
+#[must_use]
+pub fn leaf_scatters(
+    leaf: &LeafSides,
+    gloss: [f32; 4],
+    normal: DVec3,
+    (to_light, to_eye): (DVec3, DVec3),
+) -> DVec3 {
+    let (light, eye) = (normal.dot(to_light), normal.dot(to_eye));
+    if light * eye <= 0.0 {
+        return vector(leaf.rho_t) * (light.abs() / PI);
+    }
+    let rho_d = if eye > 0.0 {
+        leaf.rho_d_front
+    } else {
+        leaf.rho_d_back
+    };
+    let [r, g, b, m] = gloss.map(f64::from);
+    let middle = to_light + to_eye;
+    let cos_h = normal.dot(middle).abs() / middle.length_squared().max(1e-12).sqrt();
+    let shine = slope_distribution(cos_h, m) / (4.0 * eye.abs().max(1e-3));
+    vector(rho_d) * (light.abs() / PI) + DVec3::new(r, g, b) * shine
+}
+
+/// Light of pixel (`x`, `y`) with the sun.
+#[must_use]
+pub fn lit_sun(
+    frame: &LitFrame,
+    (x, y): (u32, u32),
+    pixel: &Pixel,
+    (leaf, gloss): (&LeafSides, [f32; 4]),
+) -> DVec3 {
+    let on_film = |at: u32, of: u32| 2.0 * (f64::from(at) + 0.5) / f64::from(of) - 1.0;
+    let direction = vector(frame.forward) + on_film(x, frame.width) * vector(frame.right)
+        - on_film(y, frame.height) * vector(frame.up);
+    let mut to_eye = -direction.normalize();
+    let facing = pixel.normal.dot(to_eye);
+    if facing * pixel.surface < 0.0 {
+        to_eye = (to_eye - (1.0 + 1e-3) * facing * pixel.normal).normalize();
+    }
+    let directions = (vector(frame.sun), to_eye);
+    let scattered = leaf_scatters(leaf, gloss, pixel.normal, directions);
+    let seen = pixel.surface.abs() - 1.0;
+    pixel.light + pixel.tint * vector(frame.irradiance) * seen * scattered
+}
+
+fn vector(v: [f32; 3]) -> DVec3 {
+    DVec3::from(v.map(f64::from))
+}
