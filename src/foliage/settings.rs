@@ -241,7 +241,7 @@ impl Default for Settings {
         Self {
             primitive: Primitive::Auto,
             fraction: 1.0,
-            most_generators: 10_000,
+            most_generators: 8_000,
             sampling: Sampling::Stratified,
             seed: 1,
             norm: Norm::Euclidean,
