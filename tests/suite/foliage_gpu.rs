@@ -186,6 +186,14 @@ fn scale_and_distance_change_nothing() {
                     "{mode:?}: {angle} degrees at {v}, scale {scale}"
                 );
             }
+            // What reaches the device is rounded once, from f64: hardly a bit may differ.
+            let pairs = expected.normals.iter().zip(&got.normals);
+            let moved = pairs.filter(|(a, b)| a != b).count();
+            assert!(
+                moved * 50 <= expected.normals.len(),
+                "{mode:?}: {moved} of {} normals differ, scale {scale}",
+                expected.normals.len()
+            );
             for (a, b) in expected.ambient.iter().zip(&got.ambient) {
                 assert!(
                     (a - b).abs() < 1e-3,
