@@ -276,6 +276,9 @@ pub struct LitArgs {
     /// Paths through every pixel of the truth
     #[arg(long, default_value_t = 64)]
     pub truth_samples: u32,
+    /// Times that the frame is drawn, for the medians of `--timings`
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeat: u32,
     /// Factor on the light [default: the brightest leaves are white]
     #[arg(long)]
     pub light_exposure: Option<f32>,

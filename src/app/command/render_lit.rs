@@ -100,7 +100,8 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     let picture = sheet(&drawn, exposure);
     output_picture(output, &picture)?;
     let table = errors(&drawn, args.lit.reference.as_deref())?;
-    Ok(report(context, args, &table, &job.timings))
+    let bytes = job.bytes();
+    Ok(report(context, args, &table, &job.timings, &bytes))
 }
 
 fn output_picture(output: PendingFile, picture: &Picture) -> Result<()> {
@@ -271,6 +272,18 @@ impl Job<'_> {
         })
     }
 
+    /// What the picture rests on, bytes: transfer vectors and maps on the host, a frame's buffers
+    /// and targets on the device.
+    fn bytes(&self) -> Value {
+        let transfer = self.light.as_ref().and_then(|l| l.transfer.as_ref());
+        let maps = self.light.as_ref().and_then(|l| l.visibility.as_ref());
+        json!({
+            "transfer": transfer.map_or(0, |t| t.bytes.len()),
+            "maps": maps.map_or(0, |v| v.maps.iter().map(Vec::len).sum()),
+            "frame": self.renderer.as_ref().map_or(0, LitRenderer::bytes),
+        })
+    }
+
     fn two_passes(&mut self, radiance: &[[f32; 3]], visibility: &[f32]) -> Result<RadianceMap> {
         let factor = self.args.supersample;
         if self.renderer.is_none() {
@@ -278,8 +291,13 @@ impl Job<'_> {
             self.renderer = Some(LitRenderer::new(self.gpu, &self.scene(), size)?);
         }
         let renderer = self.renderer.as_ref().expect("just made");
-        let (map, times) = renderer.draw(&self.scene(), &self.film, radiance, visibility)?;
+        let (mut map, times) = renderer.draw(&self.scene(), &self.film, radiance, visibility)?;
         self.timings.add_passes(&times);
+        for _ in 1..self.args.repeat {
+            let again = renderer.draw(&self.scene(), &self.film, radiance, visibility)?;
+            self.timings.add_passes(&again.1);
+            map = again.0;
+        }
         Ok(map.reduced(factor as usize))
     }
 
@@ -427,6 +445,7 @@ fn report(
     args: &RenderArgs,
     errors: &[(String, Difference)],
     timings: &Timings,
+    bytes: &Value,
 ) -> Report {
     let mut text = format!("{}\n", args.output.display());
     if !errors.is_empty() {
@@ -450,6 +469,7 @@ fn report(
             })
         })
         .collect();
-    let json = json!({ "output": args.output, "errors": rows, "times": timings.json() });
+    let json =
+        json!({ "output": args.output, "errors": rows, "times": timings.json(), "bytes": bytes });
     Report::new(text, json)
 }
