@@ -13,13 +13,17 @@ pub struct Checkpoint {
     pub job: [u8; 32],
     /// Transfer vectors so far.
     pub transfer: Snapshot,
+    /// Levels of detail of those that are done.
+    pub levels: Vec<f32>,
     /// Visibility maps so far, as runs.
     pub maps: Vec<Vec<u8>>,
 }
 
 #[derive(Serialize, Deserialize)]
 struct Header {
+    receivers: u32,
     sample: u32,
+    levels: usize,
     values: usize,
     sums: usize,
     maps: Vec<usize>,
@@ -29,7 +33,9 @@ struct Header {
 #[must_use]
 pub fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
     let header = Header {
+        receivers: checkpoint.transfer.receivers,
         sample: checkpoint.transfer.sample,
+        levels: checkpoint.levels.len(),
         values: checkpoint.transfer.values.len(),
         sums: checkpoint.transfer.sums.len(),
         maps: checkpoint.maps.iter().map(Vec::len).collect(),
@@ -39,6 +45,7 @@ pub fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
     out.extend(checkpoint.job);
     out.extend((header.len() as u64).to_le_bytes());
     out.extend(header);
+    out.extend(bytemuck::cast_slice::<f32, u8>(&checkpoint.levels));
     out.extend(bytemuck::cast_slice::<f32, u8>(&checkpoint.transfer.values));
     out.extend(bytemuck::cast_slice::<f32, u8>(&checkpoint.transfer.sums));
     out.extend(checkpoint.maps.iter().flatten());
@@ -72,6 +79,7 @@ pub fn decode(bytes: &[u8], job: &[u8; 32]) -> Result<Checkpoint, &'static str> 
         rest = after;
         Ok::<_, &'static str>(block)
     };
+    let levels = bytemuck::pod_collect_to_vec(take(4 * header.levels)?);
     let values = bytemuck::pod_collect_to_vec(take(4 * header.values)?);
     let sums = bytemuck::pod_collect_to_vec(take(4 * header.sums)?);
     let maps = header.maps.iter();
@@ -81,10 +89,12 @@ pub fn decode(bytes: &[u8], job: &[u8; 32]) -> Result<Checkpoint, &'static str> 
     Ok(Checkpoint {
         job: *job,
         transfer: Snapshot {
+            receivers: header.receivers,
             values,
             sample: header.sample,
             sums,
         },
+        levels,
         maps,
     })
 }
@@ -98,10 +108,12 @@ mod tests {
         let checkpoint = Checkpoint {
             job: [3; 32],
             transfer: Snapshot {
+                receivers: 5,
                 values: vec![1.0, 2.0],
                 sample: 7,
                 sums: vec![0.5],
             },
+            levels: vec![3.0, 4.0],
             maps: vec![vec![1, 2], vec![], vec![9]],
         };
         let bytes = encode(&checkpoint);

@@ -38,6 +38,16 @@ impl Storage {
         known.map_or("", |n| n.1)
     }
 
+    /// Bytes of a number.
+    #[must_use]
+    pub fn bytes(self) -> u64 {
+        match self {
+            Self::F32 => 4,
+            Self::F16 => 2,
+            Self::Byte => 1,
+        }
+    }
+
     /// The storage of that name.
     ///
     /// # Errors
@@ -104,12 +114,7 @@ impl StoredTransfer {
     /// Vertices that have vectors.
     #[must_use]
     pub fn receivers(&self) -> usize {
-        let width = match self.storage {
-            Storage::F32 => 4,
-            Storage::F16 => 2,
-            Storage::Byte => 1,
-        };
-        self.bytes.len() / (2 * SIDE_FLOATS * width)
+        self.bytes.len() / (2 * SIDE_FLOATS * self.storage.bytes() as usize)
     }
 
     /// The vectors again.
@@ -184,8 +189,8 @@ pub struct Light {
     pub optics: ModelKey,
     /// Vertices.
     pub vertices: u32,
-    /// Sky and indirect light.
-    pub transfer: Option<StoredTransfer>,
+    /// Sky and indirect light: levels of detail, finest first.
+    pub transfer: Vec<StoredTransfer>,
     /// The sun.
     pub visibility: Option<VisibilityMaps>,
 }

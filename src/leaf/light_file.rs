@@ -6,7 +6,7 @@
 //! | 4 | version, little-endian |
 //! | 8 | length of the header |
 //! | .. | header: model, vertices, conventions, settings and the lengths of the blocks |
-//! | .. | transfer vectors; then the maps, one after the other |
+//! | .. | transfer vectors, level after level; then the maps, one after the other |
 //! | 32 | BLAKE3 of everything before |
 
 use std::path::Path;
@@ -22,7 +22,7 @@ use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"umbrLGT\n";
 /// Changes whenever older files would be misread.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Spherical harmonics of the vectors, for readers of the file.
 const CONVENTION: &str =
     "real, no Condon-Shortley sign, index l(l+1)+m, bands 0..4, pole +z of the model";
@@ -33,7 +33,8 @@ struct Header {
     optics: String,
     vertices: u32,
     convention: String,
-    transfer: Option<TransferHeader>,
+    /// Levels of detail, finest first.
+    transfer: Vec<TransferHeader>,
     visibility: Option<MapsHeader>,
 }
 
@@ -65,13 +66,7 @@ pub fn encode(light: &Light) -> Vec<u8> {
         optics: hex(&light.optics),
         vertices: light.vertices,
         convention: CONVENTION.to_owned(),
-        transfer: light.transfer.as_ref().map(|t| TransferHeader {
-            storage: t.storage.name().to_owned(),
-            paths: t.paths,
-            edge: t.edge,
-            bytes: t.bytes.len() as u64,
-            scales: t.scales.clone(),
-        }),
+        transfer: light.transfer.iter().map(transfer_header).collect(),
         visibility: light.visibility.as_ref().map(|v| {
             let (cube_side, path) = match &v.directions {
                 Directions::Cube { side } => (Some(*side), Vec::new()),
@@ -93,7 +88,7 @@ pub fn encode(light: &Light) -> Vec<u8> {
     out.extend(VERSION.to_le_bytes());
     out.extend((header.len() as u64).to_le_bytes());
     out.extend(header);
-    if let Some(t) = &light.transfer {
+    for t in &light.transfer {
         out.extend(&t.bytes);
     }
     for map in light.visibility.iter().flat_map(|v| &v.maps) {
@@ -102,6 +97,16 @@ pub fn encode(light: &Light) -> Vec<u8> {
     let sum = blake3::hash(&out);
     out.extend(sum.as_bytes());
     out
+}
+
+fn transfer_header(t: &StoredTransfer) -> TransferHeader {
+    TransferHeader {
+        storage: t.storage.name().to_owned(),
+        paths: t.paths,
+        edge: t.edge,
+        bytes: t.bytes.len() as u64,
+        scales: t.scales.clone(),
+    }
 }
 
 /// Reads `path`, which must have been computed for the model of key `model` with `vertices`
@@ -157,6 +162,7 @@ pub fn decode(bytes: &[u8]) -> Result<Light, String> {
     };
     let transfer = header
         .transfer
+        .into_iter()
         .map(|t| {
             Ok::<_, String>(StoredTransfer {
                 storage: Storage::parse(&t.storage).map_err(|e| damaged(&e))?,
@@ -166,7 +172,7 @@ pub fn decode(bytes: &[u8]) -> Result<Light, String> {
                 edge: t.edge,
             })
         })
-        .transpose()?;
+        .collect::<Result<Vec<_>, _>>()?;
     let visibility = header
         .visibility
         .map(|v| {
@@ -206,12 +212,12 @@ pub fn decode(bytes: &[u8]) -> Result<Light, String> {
 /// Whether the blocks have the sizes that the header implies.
 fn consistent(light: &Light) -> Result<(), &'static str> {
     let vertices = light.vertices as usize;
-    if let Some(t) = &light.transfer {
-        let width = match t.storage {
-            Storage::F32 => 4,
-            Storage::F16 => 2,
-            Storage::Byte => 1,
-        };
+    let edges = light.transfer.windows(2);
+    if edges.into_iter().any(|w| w[1].edge <= w[0].edge) {
+        return Err("order of the levels of detail");
+    }
+    for t in &light.transfer {
+        let width = t.storage.bytes() as usize;
         let count = t.receivers();
         // How many a level of detail keeps is known only with the model.
         let fits = count == vertices || (t.edge > 0.0 && count < vertices);
@@ -256,17 +262,16 @@ mod tests {
     use crate::leaf::prt::Transfer;
 
     fn light() -> Light {
-        let values = (0..6 * SIDE_FLOATS).map(|i| i as f32 * 1e-3).collect();
+        let values: Vec<f32> = (0..6 * SIDE_FLOATS).map(|i| i as f32 * 1e-3).collect();
+        let level = |vertices: usize, edge| {
+            let values = values[..2 * vertices * SIDE_FLOATS].to_vec();
+            StoredTransfer::new(&Transfer { values }, Storage::Byte, 64, edge)
+        };
         Light {
             model: [7; 32],
             optics: [9; 32],
             vertices: 3,
-            transfer: Some(StoredTransfer::new(
-                &Transfer { values },
-                Storage::Byte,
-                64,
-                0.0,
-            )),
+            transfer: vec![level(3, 0.0), level(2, 0.5), level(1, 2.0)],
             visibility: Some(VisibilityMaps {
                 directions: Directions::Path(vec![DVec3::Y, DVec3::X]),
                 splits: 0,

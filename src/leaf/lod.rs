@@ -8,8 +8,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
-use super::prt::{SIDE_FLOATS, Transfer};
 use crate::scene::Geometry;
 
 /// Reach of the filter, in edges of the level.
@@ -20,8 +20,10 @@ const REACH: f32 = 1.5;
 pub struct Lod {
     /// Vertices that have a vector, ascending.
     pub coarse: Vec<u32>,
-    /// For each coarse vertex: vertices within reach and their (unnormalised) weights.
+    /// For each coarse vertex: vertices within reach, ascending, and their weights.
     about: Vec<Vec<(u32, f32)>>,
+    /// Sum of weight times area about each coarse vertex; 0: nothing there has an area.
+    totals: Vec<f32>,
     /// Area that each vertex stands for.
     areas: Vec<f32>,
 }
@@ -36,6 +38,7 @@ impl Lod {
         let mut out = Self {
             coarse: Vec::new(),
             about: Vec::new(),
+            totals: Vec::new(),
             areas: graph.areas.clone(),
         };
         let reach = REACH * edge;
@@ -45,7 +48,9 @@ impl Lod {
             if near[vertex as usize] < edge {
                 continue;
             }
-            let found = search.within(&graph, vertex, reach);
+            let mut found = search.within(&graph, vertex, reach);
+            // Ascending: sums over them then do not depend on how receivers are batched.
+            found.sort_unstable_by_key(|f| f.0);
             for &(v, d) in &found {
                 near[v as usize] = near[v as usize].min(d);
             }
@@ -56,35 +61,37 @@ impl Lod {
                     1.0
                 }
             };
+            let about: Vec<_> = found.into_iter().map(|(v, d)| (v, weight(d))).collect();
+            let areas = about.iter().map(|&(v, w)| w * out.areas[v as usize]);
+            out.totals.push(areas.sum());
             out.coarse.push(vertex);
-            out.about
-                .push(found.into_iter().map(|(v, d)| (v, weight(d))).collect());
+            out.about.push(about);
         }
         out
     }
 
-    /// Vectors of the coarse vertices, from those of all vertices.
-    #[must_use]
-    pub fn reduce(&self, all: &Transfer) -> Transfer {
-        let floats = 2 * SIDE_FLOATS;
-        let mut values = Vec::with_capacity(self.coarse.len() * floats);
-        for (&own, about) in self.coarse.iter().zip(&self.about) {
-            let weights = about.iter().map(|&(v, w)| (v, w * self.areas[v as usize]));
-            let total: f32 = weights.clone().map(|(_, w)| w).sum();
-            let at = |v: u32| &all.values[v as usize * floats..(v as usize + 1) * floats];
-            if total <= 0.0 {
-                values.extend_from_slice(at(own));
-                continue;
-            }
-            let mut mean = vec![0.0; floats];
-            for (v, w) in weights {
-                for (sum, value) in mean.iter_mut().zip(at(v)) {
-                    *sum += w / total * value;
+    /// Adds to `sums` (of the coarse vertices, `width` floats each) the shares of the vertices
+    /// from `first` on, whose values are `values`.
+    pub fn gather(&self, sums: &mut [f32], width: usize, first: usize, values: &[f32]) {
+        let last = first + values.len() / width;
+        let coarse = self.coarse.par_iter().zip(&self.about).zip(&self.totals);
+        sums.par_chunks_exact_mut(width)
+            .zip(coarse)
+            .for_each(|(sum, ((&own, about), &total))| {
+                let from = about.partition_point(|a| (a.0 as usize) < first);
+                let within = about[from..].iter();
+                for &(v, w) in within.take_while(|a| (a.0 as usize) < last) {
+                    let share = if total > 0.0 {
+                        w * self.areas[v as usize] / total
+                    } else {
+                        f32::from(v == own)
+                    };
+                    let at = (v as usize - first) * width;
+                    for (sum, value) in sum.iter_mut().zip(&values[at..at + width]) {
+                        *sum += share * value;
+                    }
                 }
-            }
-            values.extend(mean);
-        }
-        Transfer { values }
+            });
     }
 
     /// Radiance of every vertex (front, back), from that of the coarse ones.
@@ -233,15 +240,17 @@ mod tests {
         g
     }
 
-    fn transfer(count: usize, value: impl Fn(usize) -> f32) -> Transfer {
-        let values = (0..count * 2 * SIDE_FLOATS).map(|i| value(i / (2 * SIDE_FLOATS)));
-        Transfer {
-            values: values.collect(),
+    /// Coarse values, gathered in batches of `batch` vertices.
+    fn gathered(lod: &Lod, all: &[[f32; 2]], batch: usize) -> Vec<f32> {
+        let mut sums = vec![0.0; 2 * lod.coarse.len()];
+        for (number, part) in all.chunks(batch).enumerate() {
+            lod.gather(&mut sums, 2, number * batch, part.as_flattened());
         }
+        sums
     }
 
     #[test]
-    fn constants_survive_every_level_and_leaves_stay_apart() {
+    fn constants_survive_every_level_and_leaves_and_sides_stay_apart() {
         let g = strips(20);
         let half = g.positions.len() / 2;
         let mut last = usize::MAX;
@@ -249,25 +258,29 @@ mod tests {
             let lod = Lod::new(&g, edge);
             assert!(lod.coarse.len() <= last, "{edge}: {}", lod.coarse.len());
             last = lod.coarse.len();
-            let all = transfer(2 * half, |v| if v < half { 1.0 } else { 3.0 });
-            let coarse = lod.reduce(&all);
-            let radiance: Vec<[f32; 3]> = (0..2 * lod.coarse.len())
-                .map(|k| [coarse.values[k * SIDE_FLOATS]; 3])
-                .collect();
+            let leaf = |v: usize| if v < half { 1.0 } else { 3.0 };
+            let all: Vec<[f32; 2]> = (0..2 * half).map(|v| [leaf(v), 10.0 * leaf(v)]).collect();
+            let coarse = gathered(&lod, &all, 7);
+            let radiance: Vec<[f32; 3]> = coarse.iter().map(|&v| [v; 3]).collect();
             for (k, value) in lod.spread(&radiance).iter().enumerate() {
-                let wanted = if k / 2 < half { 1.0 } else { 3.0 };
-                assert!((value[0] - wanted).abs() < 1e-5, "{edge} {k}: {value:?}");
+                let wanted = all[k / 2][k % 2];
+                assert!(
+                    (value[0] - wanted).abs() < 1e-5 * wanted,
+                    "{edge} {k}: {value:?}"
+                );
             }
         }
         assert_eq!(last, 2, "one vertex for each leaf");
     }
 
     #[test]
-    fn level_zero_is_the_vertices_themselves() {
-        let g = strips(3);
-        let lod = Lod::new(&g, 0.0);
-        assert_eq!(lod.coarse.len(), g.positions.len());
-        let all = transfer(g.positions.len(), |v| v as f32);
-        assert_eq!(lod.reduce(&all), all);
+    fn batches_change_no_bit() {
+        let g = strips(20);
+        let count = g.positions.len();
+        let all: Vec<[f32; 2]> = (0..count).map(|v| [(v as f32).sin(), v as f32]).collect();
+        let lod = Lod::new(&g, 3.0);
+        assert_eq!(gathered(&lod, &all, count), gathered(&lod, &all, 5));
+        let every = Lod::new(&g, 0.0);
+        assert_eq!(gathered(&every, &all, 9), all.as_flattened());
     }
 }

@@ -15,6 +15,7 @@ pub mod film;
 pub mod fit;
 pub mod glossy;
 pub mod import;
+pub mod levels;
 pub mod light;
 pub mod light_file;
 pub mod lit;

@@ -80,9 +80,11 @@ pub struct Step {
 }
 
 /// What an interrupted precomputation needs to go on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Snapshot {
     /// Receivers that are done.
+    pub receivers: u32,
+    /// The last of them, as far as they were not taken.
     pub values: Vec<f32>,
     /// Samples that the next receivers have, and their sums.
     pub sample: u32,
@@ -178,12 +180,17 @@ impl<'a> Prt<'a> {
     /// # Errors
     /// What `step` says (an interrupted run), or the device fails.
     pub fn all(&mut self, step: &mut dyn FnMut(&mut Self) -> Result<()>) -> Result<Transfer> {
-        while self.values.len() < 2 * self.count as usize * SIDE_FLOATS {
+        while self.first < self.count {
             self.advance()?;
             step(self)?;
         }
-        let values = std::mem::take(&mut self.values);
+        let values = self.take();
         Ok(Transfer { values })
+    }
+
+    /// Takes away the vectors of the receivers that were done since the last time.
+    pub fn take(&mut self) -> Vec<f32> {
+        std::mem::take(&mut self.values)
     }
 
     /// Where it stands.
@@ -237,6 +244,7 @@ impl<'a> Prt<'a> {
             Vec::new()
         };
         Ok(Snapshot {
+            receivers: self.first,
             values: self.values.clone(),
             sample: self.sample,
             sums,
@@ -250,13 +258,14 @@ impl<'a> Prt<'a> {
     pub fn restore(&mut self, snapshot: Snapshot) -> Result<()> {
         let floats = 2 * SIDE_FLOATS;
         let fits = snapshot.values.len().is_multiple_of(floats)
-            && snapshot.values.len() <= self.count as usize * floats
+            && snapshot.values.len() <= snapshot.receivers as usize * floats
+            && snapshot.receivers <= self.count
             && snapshot.sample < self.settings.paths
             && (snapshot.sample == 0 || 4 * snapshot.sums.len() as u64 == self.sums.bytes());
         if !fits {
             return Err(Error::usage("the interrupted run had other settings"));
         }
-        self.first = (snapshot.values.len() / floats) as u32;
+        self.first = snapshot.receivers;
         self.sample = snapshot.sample;
         self.values = snapshot.values;
         if self.sample > 0 {

@@ -140,14 +140,23 @@ fn a_tree_is_lit_and_drawn() {
         "--storage",
         "8bit",
         "--lod",
-        "0.5",
+        "0,0.1,0.5",
         "--validate",
     ]);
     let maps = report["visibility"]["maps"].as_u64().unwrap();
     assert!((7..=9).contains(&maps), "{report:#}");
     let vertices = report["vertices"].as_u64().unwrap();
-    let bytes = report["transfer"]["bytes"].as_u64().unwrap();
-    assert!(bytes < 300 * vertices, "{report:#}");
+    let levels = report["transfer"]["levels"].as_array().unwrap();
+    let of = |level: usize, what: &str| levels[level][what].as_f64().unwrap();
+    assert_eq!(of(0, "bytes"), 300.0 * vertices as f64, "{report:#}");
+    assert_eq!(of(0, "rmse"), 0.0, "{report:#}");
+    for level in 1..3 {
+        assert!(
+            of(level, "vertices") < of(level - 1, "vertices"),
+            "{report:#}"
+        );
+        assert!(of(level, "rmse") >= of(level - 1, "rmse"), "{report:#}");
+    }
     place.json(&[
         "render",
         tree,
@@ -294,6 +303,8 @@ fn wrong_light_is_refused() {
     place.assert_refused(&compute(&["--sun-radius", "60"]), &["radius"]);
     place.assert_refused(&compute(&["--latitude", "99"]), &["latitude"]);
     place.assert_refused(&compute(&["--storage", "f64"]), &["storage"]);
+    place.assert_refused(&compute(&["--lod", "0.1,0.1"]), &["--lod"]);
+    place.assert_refused(&compute(&["--lod", "0,nan"]), &["--lod"]);
     place.assert_refused(&compute(&["--max-bytes", "1000"]), &["--max-bytes"]);
     place.assert_refused(&["light", &empty, "-o", "x.light"], &["empty.obj"]);
     let lit = |more: &[&'static str]| [&draw("tree.light")[..], more].concat();

@@ -1,10 +1,13 @@
 //! Rays, light and visibility: kernels against twins, and against what must hold.
 
 use glam::{DVec3, Vec3};
+use umbrage::abi::PRT_COEFFICIENTS;
 use umbrage::app::conform;
+use umbrage::leaf::levels::{Level, LevelSums};
+use umbrage::leaf::light::{Lighting, Storage, exit_radiance};
 use umbrage::leaf::lvc::{Lvc, LvcSettings};
 use umbrage::leaf::optics::Optics;
-use umbrage::leaf::prt::{Prt, PrtSettings, Transfer};
+use umbrage::leaf::prt::{Prt, PrtSettings, SIDE_FLOATS, Transfer};
 use umbrage::leaf::rays::{Occluders, RayScene};
 use umbrage::leaf::receivers::Receivers;
 use umbrage::leaf::trace::{Ray, Tracer};
@@ -102,6 +105,52 @@ fn a_white_furnace_shows_nothing() {
         for side in 0..2 {
             let value = under_white(&t, vertex, side);
             assert!((value - 1.0).abs() < 2e-3, "{vertex} {side}: {value}");
+        }
+    }
+}
+
+/// So they do at every level of detail, whatever the storage.
+#[test]
+fn a_white_furnace_shows_nothing_at_any_level() {
+    let geometry = squares(&[0.0, 0.3, 0.5], 6);
+    let settings = PrtSettings {
+        paths: 16,
+        bounces: 1000,
+        survival: 0.0,
+        ..PrtSettings::default()
+    };
+    let t = transfer(&geometry, leaf(0.7, 0.3), settings);
+    let mut white = [DVec3::ZERO; PRT_COEFFICIENTS as usize];
+    white[0] = DVec3::splat((4.0 * std::f64::consts::PI).sqrt());
+    let lighting = Lighting {
+        sky: &white,
+        sun: &[DVec3::ZERO; PRT_COEFFICIENTS as usize],
+        direct_sun: false,
+        order: 5,
+    };
+    let levels = [0.0, 0.5, 1.0, 2.0, 10.0].map(|edge| Level::new(&geometry, edge));
+    assert_eq!(levels[4].vertices, 3, "one a leaf");
+    for (storage, limit) in [
+        (Storage::F32, 1e-3),
+        (Storage::F16, 2e-3),
+        (Storage::Byte, 1e-2),
+    ] {
+        let mut sums = LevelSums::new(&levels);
+        for part in t.values.chunks(10 * 2 * SIDE_FLOATS) {
+            sums.add(part.to_vec(), &lighting);
+        }
+        for error in sums.errors(&lighting) {
+            assert!(error.rmse < 1e-3 && error.bias.abs() < 1e-3, "{error:?}");
+        }
+        for (level, stored) in levels.iter().zip(sums.stored(storage, 16)) {
+            let own = exit_radiance(&stored.transfer(), &lighting);
+            let worst = own
+                .iter()
+                .chain(&level.spread(own.clone()))
+                .flatten()
+                .map(|v| (v - 1.0).abs())
+                .fold(0.0, f32::max);
+            assert!(worst < limit, "{storage:?} at {}: {worst}", level.edge);
         }
     }
 }

@@ -150,9 +150,15 @@ pub struct LightArgs {
     /// How transfer vectors are stored: f32, f16 or 8bit
     #[arg(long, default_value = "f16")]
     pub storage: String,
-    /// Distance of the vertices that keep transfer vectors, in diagonals of the model; 0: all do
-    #[arg(long, default_value_t = 0.0)]
-    pub lod: f32,
+    /// Distance of the vertices that keep transfer vectors, in diagonals of the model, 0 to 1; 0:
+    /// all do. Several, ascending, make levels of detail
+    #[arg(
+        long,
+        value_name = "E,E,..",
+        value_delimiter = ',',
+        default_value = "0"
+    )]
+    pub lod: Vec<f32>,
     /// For which directions of the sun visibility is computed
     #[arg(long, default_value = "day")]
     pub directions: SunDirections,
@@ -206,6 +212,7 @@ impl LightArgs {
 Examples:
   umbrage light oak.glb -o oak.light
   umbrage light oak.glb -o oak.light --paths 4096 --storage 8bit
+  umbrage light oak.glb -o oak.light --lod 0,0.02,0.05        three levels of detail
   umbrage light oak.glb -o oak.light --directions cube        every direction of the sun
   umbrage light oak.glb -o oak.light --latitude 35 --day 80 --minutes 10
   umbrage light oak.glb -o oak.light --leaf birch --keep old.light

@@ -4,29 +4,36 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::app::cli::LightArgs;
 use crate::app::cli::light::SunDirections;
 use crate::app::lit::LitModel;
 use crate::app::output::{PendingFile, write_atomically};
+use crate::app::report::Table;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::gpu::Gpu;
 use crate::leaf::checkpoint::{self, Checkpoint};
 use crate::leaf::directions::Directions;
-use crate::leaf::light::{Light, Storage, StoredTransfer, VisibilityMaps};
-use crate::leaf::lod::Lod;
-use crate::leaf::lvc::{Lvc, LvcSettings};
+use crate::leaf::environment::{Coefficients, Environment, Sun as SunLight};
+use crate::leaf::levels::{Level, LevelError, LevelSums};
+use crate::leaf::light::{Light, Lighting, Storage, StoredTransfer, VisibilityMaps};
+use crate::leaf::lvc::{Lvc, LvcSettings, SUN_RADIUS_DEGREES};
 use crate::leaf::prt::{Prt, PrtSettings, SIDE_FLOATS, Snapshot};
 use crate::leaf::rays::RayScene;
 use crate::leaf::{light_file, runs};
 use crate::render::plan::human_bytes;
-use crate::scene::Sun;
+use crate::scene::{Geometry, Sun};
 use crate::{Error, Result};
 
 /// Between two checkpoints.
 const CHECKPOINT: Duration = Duration::from_secs(20);
+
+/// Window against ringing of the light that levels are compared in: the default of `render`.
+const WINDOW: f64 = 0.002;
+/// Levels of detail at most.
+const MAX_LEVELS: usize = 8;
 
 /// What is to be done.
 struct Job {
@@ -34,8 +41,10 @@ struct Job {
     /// Maps of an older file.
     kept: Option<VisibilityMaps>,
     storage: Storage,
-    /// Distance of the vertices that keep vectors, metres; 0: all.
-    edge: f32,
+    /// Levels of detail of the transfer vectors.
+    levels: Vec<Level>,
+    /// Light that levels are compared in: sky and sun.
+    compared: [Coefficients; 2],
     directions: Option<Directions>,
     /// Times that triangles are split for visibility.
     splits: u32,
@@ -50,6 +59,7 @@ struct Done {
     transfer_seconds: f64,
     sun_rays: u64,
     sun_seconds: f64,
+    levels: Vec<LevelError>,
     passes: Timings,
 }
 
@@ -104,7 +114,8 @@ impl Job {
         };
         Ok(Self {
             kept,
-            edge: args.lod.max(0.0) * lit.geometry.diagonal(),
+            levels: levels(&args.lod, &lit.geometry)?,
+            compared: compared(sun),
             lit,
             storage,
             directions,
@@ -126,6 +137,16 @@ impl Job {
         })
     }
 
+    /// Bytes of the transfer in memory: sums of the levels, the vectors that are done at once,
+    /// radiance to compare with, and the result with its file.
+    fn transfer_bytes(&self) -> u64 {
+        let all = self.lit.vertices() as u64;
+        let kept: u64 = self.levels.iter().map(|l| l.vertices as u64).sum();
+        let width = 8 * SIDE_FLOATS as u64;
+        let stored = width / 4 * self.storage.bytes();
+        kept * (width + 2 * stored) + all.min(u64::from(self.prt.batch / 2)) * width + 24 * all
+    }
+
     /// What will be computed, with sizes and numbers of rays.
     fn plan(&self, args: &LightArgs) -> Result<String> {
         let vertices = self.lit.vertices() as u64;
@@ -134,7 +155,7 @@ impl Job {
             _ => 0,
         };
         let transfer = if self.prt.paths > 0 {
-            8 * vertices * SIDE_FLOATS as u64
+            self.transfer_bytes()
         } else {
             0
         };
@@ -166,8 +187,12 @@ impl Job {
     /// Hash of everything that the result depends on.
     fn hash(&self) -> [u8; 32] {
         let text = format!(
-            "{:?} {:?} {:?} {}",
-            self.prt, self.lvc, self.directions, self.splits
+            "{:?} {:?} {:?} {} {:?}",
+            self.prt,
+            self.lvc,
+            self.directions,
+            self.splits,
+            self.levels.iter().map(|l| l.edge).collect::<Vec<_>>()
         );
         let mut hash = blake3::Hasher::new();
         hash.update(&self.lit.key());
@@ -197,11 +222,8 @@ impl<'a> Run<'a> {
         let hash = job.hash();
         let mut so_far = Checkpoint {
             job: hash,
-            transfer: Snapshot {
-                values: Vec::new(),
-                sample: 0,
-                sums: Vec::new(),
-            },
+            transfer: Snapshot::default(),
+            levels: Vec::new(),
             maps: Vec::new(),
         };
         if args.resume {
@@ -226,9 +248,9 @@ impl<'a> Run<'a> {
 
     fn compute(&mut self) -> Result<Light> {
         let transfer = if self.job.prt.paths > 0 {
-            Some(self.transfer()?)
+            self.transfer()?
         } else {
-            None
+            Vec::new()
         };
         let visibility = match (&self.job.kept, &self.job.directions) {
             (Some(kept), _) => Some(kept.clone()),
@@ -255,36 +277,40 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    fn transfer(&mut self) -> Result<StoredTransfer> {
+    fn transfer(&mut self) -> Result<Vec<StoredTransfer>> {
         let (gpu, job, scene) = (self.gpu, self.job, self.scene.clone());
         let mut prt = Prt::new(gpu, &scene, &job.lit.receivers, job.prt)?;
-        prt.restore(self.so_far.transfer.clone())?;
+        let lighting = Lighting {
+            sky: &job.compared[0],
+            sun: &job.compared[1],
+            direct_sun: false,
+            order: 5,
+        };
+        let mut levels = LevelSums::new(&job.levels);
+        if self.so_far.transfer.receivers > 0 {
+            levels.restore(&self.so_far.levels).map_err(Error::usage)?;
+        }
+        prt.restore(std::mem::take(&mut self.so_far.transfer))?;
         let working = console::working("transfer");
         let (start, before) = (Instant::now(), prt.step().done);
-        let transfer = prt.all(&mut |prt| {
+        prt.all(&mut |prt| {
+            levels.add(prt.take(), &lighting);
             let step = prt.step();
             let rate = (step.done - before) as f64 / start.elapsed().as_secs_f64();
             working.step(&progress("transfer", step.done, step.all, rate));
             self.save(|so_far| {
                 so_far.transfer = prt.snapshot()?;
+                so_far.levels = levels.state();
                 Ok(())
             })
         })?;
         self.done.passes.add_passes(prt.times());
         self.done.transfer_rays = prt.traced;
         self.done.transfer_seconds = start.elapsed().as_secs_f64();
-        let stored = if job.edge > 0.0 {
-            let reduced = Lod::new(&job.lit.geometry, job.edge).reduce(&transfer);
-            StoredTransfer::new(&reduced, job.storage, job.prt.paths, job.edge)
-        } else {
-            StoredTransfer::new(&transfer, job.storage, job.prt.paths, 0.0)
-        };
-        self.so_far.transfer = Snapshot {
-            values: transfer.values,
-            sample: 0,
-            sums: Vec::new(),
-        };
-        Ok(stored)
+        self.done.levels = levels.errors(&lighting);
+        self.so_far.transfer = prt.snapshot()?;
+        self.so_far.levels = levels.state();
+        Ok(levels.stored(job.storage, job.prt.paths))
     }
 
     fn visibility(&mut self, directions: &Directions) -> Result<VisibilityMaps> {
@@ -325,6 +351,35 @@ impl<'a> Run<'a> {
     }
 }
 
+/// Levels whose distances were told in diagonals.
+fn levels(told: &[f32], geometry: &Geometry) -> Result<Vec<Level>> {
+    let ascending = told.windows(2).all(|w| w[0] < w[1]);
+    let within = told.iter().all(|e| (0.0..=1.0).contains(e));
+    if !ascending || !within || told.is_empty() || told.len() > MAX_LEVELS {
+        return Err(Error::usage(format!(
+            "--lod: expected 1 to {MAX_LEVELS} ascending numbers from 0 to 1"
+        )));
+    }
+    let diagonal = geometry.diagonal();
+    let level = |e: &f32| Level::new(geometry, e * diagonal);
+    Ok(told.iter().map(level).collect())
+}
+
+/// The light that `render` takes by default.
+fn compared(sun: DVec3) -> [Coefficients; 2] {
+    let sky = Environment::Linear {
+        a: DVec3::new(0.24, 0.27, 0.30),
+        b: DVec3::new(0.12, 0.135, 0.15),
+        up: DVec3::Y,
+    };
+    let sun = SunLight {
+        towards: sun,
+        radius_degrees: SUN_RADIUS_DEGREES,
+        irradiance: DVec3::new(3.0, 2.85, 2.55),
+    };
+    [sky.coefficients(), sun.coefficients(WINDOW)]
+}
+
 /// `transfer 43 %, 1.2 M/s, 35 s left`.
 fn progress(what: &str, done: u64, all: u64, rate: f64) -> String {
     let left = (all - done.min(all)) as f64 / rate.max(1e-9);
@@ -341,7 +396,7 @@ fn report(
     (bytes, done): (usize, &Done),
 ) -> Report {
     let rate = |rays: u64, seconds: f64| rays as f64 / seconds.max(1e-9) * 1e-6;
-    let transfer = light.transfer.as_ref().map_or(0, |t| t.bytes.len() as u64);
+    let transfer: u64 = light.transfer.iter().map(|t| t.bytes.len() as u64).sum();
     let maps = light.visibility.as_ref().map_or(0, VisibilityMaps::bytes);
     let count = light.visibility.as_ref().map_or(0, |v| v.maps.len());
     let each = light.visibility.as_ref().map_or(0, |v| v.vertices);
@@ -363,13 +418,23 @@ fn report(
         done.sun_seconds,
         rate(done.sun_rays, done.sun_seconds),
     );
+    if done.levels.len() > 1 || done.levels.iter().any(|l| l.edge > 0.0) {
+        text += &format!("\n{}", level_table(light, &done.levels));
+    }
     if context.timings() {
         text += &format!("\n{}", done.passes.table());
     }
+    let levels = light.transfer.iter().zip(&done.levels).map(|(t, l)| {
+        json!({
+            "edge": l.edge, "vertices": l.vertices, "bytes": t.bytes.len(), "rmse": l.rmse,
+            "bias": l.bias,
+        })
+    });
+    let levels: Vec<Value> = levels.collect();
     let json = json!({
         "output": args.output, "bytes": bytes, "times": done.passes.json(), "vertices": light.vertices,
         "transfer": {
-            "bytes": transfer, "rays": done.transfer_rays, "seconds": done.transfer_seconds,
+            "bytes": transfer, "levels": levels, "rays": done.transfer_rays, "seconds": done.transfer_seconds,
         },
         "visibility": {
             "maps": count, "bytes": maps, "raw_bytes": raw, "rays": done.sun_rays,
@@ -377,4 +442,21 @@ fn report(
         },
     });
     Report::new(text, json)
+}
+
+/// What each level of detail keeps, and how far it is from the vertices' own vectors.
+fn level_table(light: &Light, errors: &[LevelError]) -> Table {
+    let mut table = Table::new(&["level", "edge m", "vertices", "size", "bias %", "RMSE %"]);
+    for (number, (stored, error)) in light.transfer.iter().zip(errors).enumerate() {
+        let percent = |v: f64| format!("{:.2}", 100.0 * v);
+        table.row(&[
+            &number.to_string(),
+            &format!("{:.3}", error.edge),
+            &error.vertices.to_string(),
+            &human_bytes(stored.bytes.len() as u64),
+            &percent(error.bias),
+            &percent(error.rmse),
+        ]);
+    }
+    table
 }

@@ -309,7 +309,7 @@ impl Job<'_> {
             Lighting::Ambient => return Ok(self.ambient()),
             _ => {}
         }
-        let stored = self.light.as_ref().and_then(|l| l.transfer.as_ref());
+        let stored = self.light.as_ref().and_then(|l| l.transfer.first());
         let Some(stored) = stored else {
             return Err(Error::usage(
                 "--lighting: needs --light FILE with transfer vectors; `umbrage light` makes it",
