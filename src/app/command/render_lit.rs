@@ -275,10 +275,10 @@ impl Job<'_> {
     /// What the picture rests on, bytes: transfer vectors and maps on the host, a frame's buffers
     /// and targets on the device.
     fn bytes(&self) -> Value {
-        let transfer = self.light.as_ref().and_then(|l| l.transfer.as_ref());
+        let levels = self.light.iter().flat_map(|l| &l.transfer);
         let maps = self.light.as_ref().and_then(|l| l.visibility.as_ref());
         json!({
-            "transfer": transfer.map_or(0, |t| t.bytes.len()),
+            "transfer": levels.map(|t| t.bytes.len()).sum::<usize>(),
             "maps": maps.map_or(0, |v| v.maps.iter().map(Vec::len).sum()),
             "frame": self.renderer.as_ref().map_or(0, LitRenderer::bytes),
         })
