@@ -37,8 +37,8 @@ abi! {
         CUTOUT_CLAMP: u32 = 1;
         /// `t_max` of a ray without end.
         RAY_FAR: f32 = 1e30;
-        /// Coefficients of a transfer vector: bands 0 to 4.
-        PRT_COEFFICIENTS: u32 = 25;
+        /// Coefficients of spherical harmonics at most: bands 0 to 5.
+        SH_MAX_COEFFICIENTS: u32 = 36;
         /// State of a path whose ray is to be traced.
         PATH_ALIVE: f32 = -1.0;
         /// State of a path that was absorbed; others hold the bounce at which they escaped.

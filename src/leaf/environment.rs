@@ -4,12 +4,12 @@ use std::path::Path;
 
 use glam::{DQuat, DVec3};
 
-use crate::abi::PRT_COEFFICIENTS;
+use crate::abi::SH_MAX_COEFFICIENTS;
 use crate::math::sh;
 use crate::{Error, Result};
 
-/// RGB of each coefficient.
-pub type Coefficients = [DVec3; PRT_COEFFICIENTS as usize];
+/// RGB of each coefficient, of every band that transfer may have.
+pub type Coefficients = [DVec3; SH_MAX_COEFFICIENTS as usize];
 
 /// What surrounds the scene, without the sun.
 #[derive(Debug, Clone)]
@@ -94,7 +94,7 @@ impl Environment {
     /// Its projection.
     #[must_use]
     pub fn coefficients(&self) -> Coefficients {
-        let mut out = [DVec3::ZERO; PRT_COEFFICIENTS as usize];
+        let mut out = [DVec3::ZERO; SH_MAX_COEFFICIENTS as usize];
         match self {
             Self::Constant(l) => out[0] = *l * (4.0 * std::f64::consts::PI).sqrt(),
             Self::Linear { a, b, up } => {
@@ -278,7 +278,7 @@ mod tests {
         let c = sun.coefficients(0.0);
         // Irradiance on a plane that faces it, by the clamped cosine.
         let y = sh::evaluate(sun.towards);
-        let e: f64 = (0..25)
+        let e: f64 = (0..c.len())
             .map(|k| {
                 let l = sh::band(k);
                 let zonal = (4.0 * std::f64::consts::PI / (2 * l + 1) as f64).sqrt();

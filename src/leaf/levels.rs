@@ -3,11 +3,8 @@
 
 use super::light::{Lighting, Storage, StoredTransfer, exit_radiance};
 use super::lod::Lod;
-use super::prt::{SIDE_FLOATS, Transfer};
+use super::prt::{Transfer, side_floats};
 use crate::scene::Geometry;
-
-/// Floats of a vertex: both sides.
-const WIDTH: usize = 2 * SIDE_FLOATS;
 
 /// One level of a model.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +43,8 @@ impl Level {
 /// Sums of every level so far.
 #[derive(Debug)]
 pub struct LevelSums<'a> {
+    /// Bands of the vectors.
+    order: u32,
     levels: Vec<(&'a Level, Vec<f32>)>,
     /// Radiance of each side of each vertex that is done, under the light that levels are
     /// compared in.
@@ -66,11 +65,13 @@ pub struct LevelError {
 }
 
 impl<'a> LevelSums<'a> {
-    /// Nothing of `levels` yet.
+    /// Nothing of `levels`, of vectors of `order` bands, yet.
     #[must_use]
-    pub fn new(levels: &'a [Level]) -> Self {
-        let sums = |level: &'a Level| (level, vec![0.0; level.vertices * WIDTH]);
+    pub fn new(levels: &'a [Level], order: u32) -> Self {
+        let width = 2 * side_floats(order);
+        let sums = |level: &'a Level| (level, vec![0.0; level.vertices * width]);
         Self {
+            order,
             levels: levels.iter().map(sums).collect(),
             reference: Vec::new(),
         }
@@ -79,13 +80,17 @@ impl<'a> LevelSums<'a> {
     /// Takes the vectors of the vertices that come next.
     pub fn add(&mut self, next: Vec<f32>, lighting: &Lighting<'_>) {
         let first = self.reference.len() / 2;
+        let width = 2 * side_floats(self.order);
         for (level, sums) in &mut self.levels {
             match &level.lod {
-                Some(lod) => lod.gather(sums, WIDTH, first, &next),
-                None => sums[first * WIDTH..first * WIDTH + next.len()].copy_from_slice(&next),
+                Some(lod) => lod.gather(sums, width, first, &next),
+                None => sums[first * width..first * width + next.len()].copy_from_slice(&next),
             }
         }
-        let next = Transfer { values: next };
+        let next = Transfer {
+            order: self.order,
+            values: next,
+        };
         self.reference.extend(exit_radiance(&next, lighting));
     }
 
@@ -128,6 +133,7 @@ impl<'a> LevelSums<'a> {
 
     fn error(&self, level: &Level, sums: &[f32], lighting: &Lighting<'_>) -> LevelError {
         let transfer = Transfer {
+            order: self.order,
             values: sums.to_vec(),
         };
         let own = level.spread(exit_radiance(&transfer, lighting));
@@ -153,8 +159,9 @@ impl<'a> LevelSums<'a> {
     /// The vectors of every level, finest first.
     #[must_use]
     pub fn stored(self, storage: Storage, paths: u32) -> Vec<StoredTransfer> {
+        let order = self.order;
         let store = |(level, values): (&Level, Vec<f32>)| {
-            StoredTransfer::new(&Transfer { values }, storage, paths, level.edge)
+            StoredTransfer::new(&Transfer { order, values }, storage, paths, level.edge)
         };
         self.levels.into_iter().map(store).collect()
     }

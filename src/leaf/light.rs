@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use super::directions::Directions;
 use super::environment::Coefficients;
-use super::prt::{SIDE_FLOATS, Transfer};
+use super::prt::{Transfer, side_floats};
 use super::runs;
-use crate::abi::{LeafSides, PRT_COEFFICIENTS};
+use crate::abi::LeafSides;
 use crate::math::packing::{f16_to_f32, f32_to_f16};
 use crate::scene::Geometry;
 use crate::{Error, Result};
@@ -18,11 +18,11 @@ pub type ModelKey = [u8; 32];
 /// How transfer vectors are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Storage {
-    /// 1200 bytes a vertex.
+    /// 48 bytes a vertex and coefficient: 1200 a vertex of order 5.
     F32,
-    /// 600 bytes a vertex.
+    /// 24 bytes a vertex and coefficient: 600 a vertex of order 5.
     F16,
-    /// 300 bytes a vertex: signed bytes, a scale for each coefficient and channel.
+    /// 12 bytes a vertex and coefficient: signed bytes, a scale for each coefficient and channel.
     Byte,
 }
 
@@ -65,6 +65,8 @@ impl Storage {
 pub struct StoredTransfer {
     /// Form.
     pub storage: Storage,
+    /// Bands.
+    pub order: u32,
     /// Values in the order of [`Transfer`], little-endian.
     pub bytes: Vec<u8>,
     /// Scale of each float of a side; bytes only.
@@ -80,6 +82,7 @@ impl StoredTransfer {
     #[must_use]
     pub fn new(transfer: &Transfer, storage: Storage, paths: u32, edge: f32) -> Self {
         let values = &transfer.values;
+        let floats = side_floats(transfer.order);
         let mut scales = Vec::new();
         let bytes = match storage {
             Storage::F32 => bytemuck::cast_slice(values).to_vec(),
@@ -88,14 +91,14 @@ impl StoredTransfer {
                 .flat_map(|&v| f32_to_f16(v).to_le_bytes())
                 .collect(),
             Storage::Byte => {
-                scales = vec![0.0_f32; SIDE_FLOATS];
-                for side in values.chunks_exact(SIDE_FLOATS) {
+                scales = vec![0.0_f32; floats];
+                for side in values.chunks_exact(floats) {
                     for (scale, v) in scales.iter_mut().zip(side) {
                         *scale = scale.max(v.abs() / 127.0);
                     }
                 }
                 let packed = |(i, v): (usize, &f32)| {
-                    let scale = scales[i % SIDE_FLOATS];
+                    let scale = scales[i % floats];
                     let steps = if scale > 0.0 { v / scale } else { 0.0 };
                     (steps.round() as i8).to_le_bytes()[0]
                 };
@@ -104,6 +107,7 @@ impl StoredTransfer {
         };
         Self {
             storage,
+            order: transfer.order,
             bytes,
             scales,
             paths,
@@ -114,12 +118,13 @@ impl StoredTransfer {
     /// Vertices that have vectors.
     #[must_use]
     pub fn receivers(&self) -> usize {
-        self.bytes.len() / (2 * SIDE_FLOATS * self.storage.bytes() as usize)
+        self.bytes.len() / (2 * side_floats(self.order) * self.storage.bytes() as usize)
     }
 
     /// The vectors again.
     #[must_use]
     pub fn transfer(&self) -> Transfer {
+        let floats = side_floats(self.order);
         let values = match self.storage {
             Storage::F32 => bytemuck::pod_collect_to_vec(&self.bytes),
             Storage::F16 => self
@@ -131,10 +136,13 @@ impl StoredTransfer {
                 .bytes
                 .iter()
                 .enumerate()
-                .map(|(i, &b)| self.scales[i % SIDE_FLOATS] * f32::from(i8::from_le_bytes([b])))
+                .map(|(i, &b)| self.scales[i % floats] * f32::from(i8::from_le_bytes([b])))
                 .collect(),
         };
-        Transfer { values }
+        Transfer {
+            order: self.order,
+            values,
+        }
     }
 }
 
@@ -219,7 +227,7 @@ pub struct Lighting<'a> {
     pub sun: &'a Coefficients,
     /// Whether the sun's direct light comes from the transfer too (PRT alone).
     pub direct_sun: bool,
-    /// Bands that are used, 1 to 5.
+    /// Bands that are used at most, 1 to 6.
     pub order: usize,
 }
 
@@ -227,7 +235,8 @@ pub struct Lighting<'a> {
 /// 0 (ringing) are 0.
 #[must_use]
 pub fn exit_radiance(transfer: &Transfer, lighting: &Lighting<'_>) -> Vec<[f32; 3]> {
-    let n = (lighting.order * lighting.order).min(PRT_COEFFICIENTS as usize);
+    let order = lighting.order.min(transfer.order as usize);
+    let n = order * order;
     let weights = |part: usize, k: usize| {
         let sun = if part == 1 || lighting.direct_sun {
             lighting.sun[k]
@@ -237,10 +246,10 @@ pub fn exit_radiance(transfer: &Transfer, lighting: &Lighting<'_>) -> Vec<[f32; 
         (lighting.sky[k] + sun).as_vec3()
     };
     let l: Vec<[glam::Vec3; 2]> = (0..n).map(|k| [weights(0, k), weights(1, k)]).collect();
-    let floats = PRT_COEFFICIENTS as usize * 3;
+    let floats = side_floats(transfer.order) / 2;
     transfer
         .values
-        .par_chunks_exact(SIDE_FLOATS)
+        .par_chunks_exact(2 * floats)
         .map(|side| {
             let mut sum = glam::Vec3::ZERO;
             for (k, l) in l.iter().enumerate() {
@@ -258,10 +267,10 @@ mod tests {
 
     #[test]
     fn storage_keeps_what_it_promises() {
-        let values: Vec<f32> = (0..6 * SIDE_FLOATS)
+        let values: Vec<f32> = (0..6 * side_floats(4))
             .map(|i| ((i * 37 % 101) as f32 - 50.0) * 0.01)
             .collect();
-        let transfer = Transfer { values };
+        let transfer = Transfer { order: 4, values };
         for (storage, limit, bytes) in [
             (Storage::F32, 0.0, 4),
             (Storage::F16, 3e-4, 2),

@@ -16,16 +16,17 @@ use serde::{Deserialize, Serialize};
 
 use super::directions::Directions;
 use super::light::{Light, ModelKey, Storage, StoredTransfer, VisibilityMaps};
-use super::prt::SIDE_FLOATS;
+use super::prt::side_floats;
 use super::runs;
+use crate::math::sh::MAX_ORDER;
 use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"umbrLGT\n";
 /// Changes whenever older files would be misread.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Spherical harmonics of the vectors, for readers of the file.
 const CONVENTION: &str =
-    "real, no Condon-Shortley sign, index l(l+1)+m, bands 0..4, pole +z of the model";
+    "real, no Condon-Shortley sign, index l(l+1)+m, bands 0 to order - 1, pole +z of the model";
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Header {
@@ -41,6 +42,7 @@ struct Header {
 #[derive(Debug, Serialize, Deserialize)]
 struct TransferHeader {
     storage: String,
+    order: u32,
     paths: u32,
     edge: f32,
     bytes: u64,
@@ -102,6 +104,7 @@ pub fn encode(light: &Light) -> Vec<u8> {
 fn transfer_header(t: &StoredTransfer) -> TransferHeader {
     TransferHeader {
         storage: t.storage.name().to_owned(),
+        order: t.order,
         paths: t.paths,
         edge: t.edge,
         bytes: t.bytes.len() as u64,
@@ -166,6 +169,7 @@ pub fn decode(bytes: &[u8]) -> Result<Light, String> {
         .map(|t| {
             Ok::<_, String>(StoredTransfer {
                 storage: Storage::parse(&t.storage).map_err(|e| damaged(&e))?,
+                order: t.order,
                 bytes: block(t.bytes)?,
                 scales: t.scales,
                 paths: t.paths,
@@ -217,14 +221,18 @@ fn consistent(light: &Light) -> Result<(), &'static str> {
         return Err("order of the levels of detail");
     }
     for t in &light.transfer {
+        if !(1..=MAX_ORDER as u32).contains(&t.order) {
+            return Err("order of the transfer vectors");
+        }
+        let floats = side_floats(t.order);
         let width = t.storage.bytes() as usize;
         let count = t.receivers();
         // How many a level of detail keeps is known only with the model.
         let fits = count == vertices || (t.edge > 0.0 && count < vertices);
-        if !fits || t.bytes.len() != 2 * count * SIDE_FLOATS * width {
+        if !fits || t.bytes.len() != 2 * count * floats * width {
             return Err("size of the transfer vectors");
         }
-        if t.storage == Storage::Byte && t.scales.len() != SIDE_FLOATS {
+        if t.storage == Storage::Byte && t.scales.len() != floats {
             return Err("number of scales");
         }
     }
@@ -262,10 +270,10 @@ mod tests {
     use crate::leaf::prt::Transfer;
 
     fn light() -> Light {
-        let values: Vec<f32> = (0..6 * SIDE_FLOATS).map(|i| i as f32 * 1e-3).collect();
+        let values: Vec<f32> = (0..6 * side_floats(2)).map(|i| i as f32 * 1e-3).collect();
         let level = |vertices: usize, edge| {
-            let values = values[..2 * vertices * SIDE_FLOATS].to_vec();
-            StoredTransfer::new(&Transfer { values }, Storage::Byte, 64, edge)
+            let values = values[..2 * vertices * side_floats(2)].to_vec();
+            StoredTransfer::new(&Transfer { order: 2, values }, Storage::Byte, 64, edge)
         };
         Light {
             model: [7; 32],

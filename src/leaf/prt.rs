@@ -9,15 +9,19 @@
 use super::rays::RayScene;
 use super::receivers::Receivers;
 use super::trace::{Query, RayBatch, Tracer};
-use crate::abi::{PRT_COEFFICIENTS, PrtBatch, PrtBounce};
+use crate::abi::{PrtBatch, PrtBounce};
 use crate::gpu::shaders::leaf as shaders;
 use crate::gpu::{
     Binding, Buffer, BufferInfo, ComputePipeline, Gpu, QueueKind, Sampler, SamplerInfo,
 };
+use crate::math::sh::MAX_ORDER;
 use crate::{Error, Result};
 
-/// Floats of one side of one receiver: direct and indirect, coefficients, RGB.
-pub const SIDE_FLOATS: usize = 2 * PRT_COEFFICIENTS as usize * 3;
+/// Floats of one side of one receiver of `order` bands: direct and indirect, coefficients, RGB.
+#[must_use]
+pub const fn side_floats(order: u32) -> usize {
+    6 * (order * order) as usize
+}
 
 /// Samples of a side that one invocation of `prt_gather.comp` adds at most.
 const SAMPLES_PER_BATCH: u32 = 1024;
@@ -25,6 +29,8 @@ const SAMPLES_PER_BATCH: u32 = 1024;
 /// How transfer is sampled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrtSettings {
+    /// Bands of the vectors, 1 to 6: the square of it are coefficients.
+    pub order: u32,
     /// Paths of each side of each vertex.
     pub paths: u32,
     /// Bounces at most; what is left then is lost.
@@ -42,6 +48,7 @@ pub struct PrtSettings {
 impl Default for PrtSettings {
     fn default() -> Self {
         Self {
+            order: 5,
             paths: 1024,
             bounces: 64,
             survival: 1.6,
@@ -52,9 +59,11 @@ impl Default for PrtSettings {
     }
 }
 
-/// Transfer vectors of some receivers: for each its front and back, [`SIDE_FLOATS`] each.
+/// Transfer vectors of some receivers: for each its front and back, [`side_floats`] each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer {
+    /// Bands.
+    pub order: u32,
     /// The vectors.
     pub values: Vec<f32>,
 }
@@ -64,7 +73,7 @@ impl Transfer {
     /// each coefficient.
     #[must_use]
     pub fn vector(&self, receiver: usize, side: usize, part: usize) -> &[[f32; 3]] {
-        let n = PRT_COEFFICIENTS as usize;
+        let n = (self.order * self.order) as usize;
         let first = ((2 * receiver + side) * 2 + part) * n * 3;
         bytemuck::cast_slice(&self.values[first..first + 3 * n])
     }
@@ -138,8 +147,11 @@ impl<'a> Prt<'a> {
                 "paths, bounces and batch must be at least 1, 1 and 2",
             ));
         }
+        if !(1..=MAX_ORDER as u32).contains(&settings.order) {
+            return Err(Error::usage("the order of transfer must be 1 to 6"));
+        }
         let count = receivers.points.len() as u32;
-        let side_bytes = 4 * SIDE_FLOATS as u64;
+        let side_bytes = 4 * side_floats(settings.order) as u64;
         let fits = (gpu.info().limits.max_storage_range / (2 * side_bytes)) as u32;
         let chunk = count.min(settings.batch / 2).min(fits).max(1);
         let buffer = |name: &str, bytes: u64| gpu.buffer(BufferInfo::device(name, bytes));
@@ -161,7 +173,7 @@ impl<'a> Prt<'a> {
             rays: RayBatch::new(gpu, settings.batch)?,
             start: gpu.compute_pipeline(shaders::PRT_START_COMP)?,
             bounce: gpu.compute_pipeline(shaders::PRT_BOUNCE_COMP)?,
-            gather: gpu.compute_pipeline(shaders::PRT_GATHER_COMP)?,
+            gather: gpu.compute_pipeline_with(shaders::PRT_GATHER_COMP, &[(0, settings.order)])?,
             sampler: gpu.sampler(&SamplerInfo::default())?,
             gpu,
             scene,
@@ -184,8 +196,10 @@ impl<'a> Prt<'a> {
             self.advance()?;
             step(self)?;
         }
-        let values = self.take();
-        Ok(Transfer { values })
+        Ok(Transfer {
+            order: self.settings.order,
+            values: self.take(),
+        })
     }
 
     /// Takes away the vectors of the receivers that were done since the last time.
@@ -202,6 +216,10 @@ impl<'a> Prt<'a> {
             done: sides * paths + u64::from(self.sides()) * u64::from(self.sample),
             all: 2 * u64::from(self.count) * paths,
         }
+    }
+
+    fn side_floats(&self) -> usize {
+        side_floats(self.settings.order)
     }
 
     fn sides(&self) -> u32 {
@@ -224,7 +242,7 @@ impl<'a> Prt<'a> {
         self.sample += batch.samples;
         if self.sample == self.settings.paths {
             let mut sums: Vec<f32> = self.gpu.read(&self.sums)?;
-            sums.truncate(sides as usize * SIDE_FLOATS);
+            sums.truncate(sides as usize * self.side_floats());
             let share = 1.0 / self.settings.paths as f32;
             self.values.extend(sums.iter().map(|v| v * share));
             self.first += sides / 2;
@@ -256,7 +274,7 @@ impl<'a> Prt<'a> {
     /// # Errors
     /// A snapshot of another size, or the device fails.
     pub fn restore(&mut self, snapshot: Snapshot) -> Result<()> {
-        let floats = 2 * SIDE_FLOATS;
+        let floats = 2 * self.side_floats();
         let fits = snapshot.values.len().is_multiple_of(floats)
             && snapshot.values.len() <= snapshot.receivers as usize * floats
             && snapshot.receivers <= self.count

@@ -5,12 +5,12 @@
 use glam::{DVec2, DVec3};
 
 use super::rays::Triangles;
-use crate::abi::{LeafSides, PRT_COEFFICIENTS, Receiver};
+use crate::abi::{LeafSides, Receiver, SH_MAX_COEFFICIENTS};
 use crate::math::sampling::{cosine_hemisphere, even_numbers, frame, path_key, random};
 use crate::math::sh;
 
-/// Coefficients of a vector.
-const COEFFICIENTS: usize = PRT_COEFFICIENTS as usize;
+/// Coefficients of a vector: all that kernels may be asked for.
+const COEFFICIENTS: usize = SH_MAX_COEFFICIENTS as usize;
 
 /// Direct and indirect transfer of one side: RGB for each coefficient.
 pub type Transfer = [[DVec3; COEFFICIENTS]; 2];

@@ -1,13 +1,13 @@
 //! Rays, light and visibility: kernels against twins, and against what must hold.
 
 use glam::{DVec3, Vec3};
-use umbrage::abi::PRT_COEFFICIENTS;
+use umbrage::abi::SH_MAX_COEFFICIENTS;
 use umbrage::app::conform;
 use umbrage::leaf::levels::{Level, LevelSums};
 use umbrage::leaf::light::{Lighting, Storage, exit_radiance};
 use umbrage::leaf::lvc::{Lvc, LvcSettings};
 use umbrage::leaf::optics::Optics;
-use umbrage::leaf::prt::{Prt, PrtSettings, SIDE_FLOATS, Transfer};
+use umbrage::leaf::prt::{Prt, PrtSettings, Transfer, side_floats};
 use umbrage::leaf::rays::{Occluders, RayScene};
 use umbrage::leaf::receivers::Receivers;
 use umbrage::leaf::trace::{Ray, Tracer};
@@ -120,11 +120,11 @@ fn a_white_furnace_shows_nothing_at_any_level() {
         ..PrtSettings::default()
     };
     let t = transfer(&geometry, leaf(0.7, 0.3), settings);
-    let mut white = [DVec3::ZERO; PRT_COEFFICIENTS as usize];
+    let mut white = [DVec3::ZERO; SH_MAX_COEFFICIENTS as usize];
     white[0] = DVec3::splat((4.0 * std::f64::consts::PI).sqrt());
     let lighting = Lighting {
         sky: &white,
-        sun: &[DVec3::ZERO; PRT_COEFFICIENTS as usize],
+        sun: &[DVec3::ZERO; SH_MAX_COEFFICIENTS as usize],
         direct_sun: false,
         order: 5,
     };
@@ -135,8 +135,8 @@ fn a_white_furnace_shows_nothing_at_any_level() {
         (Storage::F16, 2e-3),
         (Storage::Byte, 1e-2),
     ] {
-        let mut sums = LevelSums::new(&levels);
-        for part in t.values.chunks(10 * 2 * SIDE_FLOATS) {
+        let mut sums = LevelSums::new(&levels, t.order);
+        for part in t.values.chunks(10 * 2 * side_floats(t.order)) {
             sums.add(part.to_vec(), &lighting);
         }
         for error in sums.errors(&lighting) {

@@ -31,6 +31,7 @@ mod leaf_gpu;
 mod leaf_slab;
 mod light_picture;
 mod light_rays;
+mod light_transfer;
 mod model_fixture;
 mod models;
 mod models_damage;

@@ -144,6 +144,9 @@ pub struct LightArgs {
     /// Paths of each side of each vertex; 0 computes no transfer
     #[arg(long, default_value_t = 1024)]
     pub paths: u32,
+    /// Bands of the transfer vectors, 1 to 6; the square of it are coefficients
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=6))]
+    pub order: u32,
     /// Bounces of a path at most
     #[arg(long, default_value_t = 64)]
     pub bounces: u32,
@@ -213,6 +216,7 @@ Examples:
   umbrage light oak.glb -o oak.light
   umbrage light oak.glb -o oak.light --paths 4096 --storage 8bit
   umbrage light oak.glb -o oak.light --lod 0,0.02,0.05        three levels of detail
+  umbrage light oak.glb -o oak.light --order 3 --paths 256   less of all: quicker, softer
   umbrage light oak.glb -o oak.light --directions cube        every direction of the sun
   umbrage light oak.glb -o oak.light --latitude 35 --day 80 --minutes 10
   umbrage light oak.glb -o oak.light --leaf birch --keep old.light
@@ -261,8 +265,8 @@ pub struct LitArgs {
         allow_hyphen_values = true
     )]
     pub sun_irradiance: Triple,
-    /// Bands of the transfer vectors that are used, 1 to 5
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=5))]
+    /// Bands of the transfer vectors that are used at most, 1 to 6
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,
     /// Strength of the window against ringing on the sun's indirect light
     #[arg(long, default_value_t = 0.002)]

@@ -20,7 +20,7 @@ use crate::leaf::environment::{Coefficients, Environment, Sun as SunLight};
 use crate::leaf::levels::{Level, LevelError, LevelSums};
 use crate::leaf::light::{Light, Lighting, Storage, StoredTransfer, VisibilityMaps};
 use crate::leaf::lvc::{Lvc, LvcSettings, SUN_RADIUS_DEGREES};
-use crate::leaf::prt::{Prt, PrtSettings, SIDE_FLOATS, Snapshot};
+use crate::leaf::prt::{Prt, PrtSettings, Snapshot, side_floats};
 use crate::leaf::rays::RayScene;
 use crate::leaf::{light_file, runs};
 use crate::render::plan::human_bytes;
@@ -121,6 +121,7 @@ impl Job {
             directions,
             splits: args.splits,
             prt: PrtSettings {
+                order: args.order,
                 paths: args.paths,
                 bounces: args.bounces,
                 seed: args.seed,
@@ -142,7 +143,7 @@ impl Job {
     fn transfer_bytes(&self) -> u64 {
         let all = self.lit.vertices() as u64;
         let kept: u64 = self.levels.iter().map(|l| l.vertices as u64).sum();
-        let width = 8 * SIDE_FLOATS as u64;
+        let width = 8 * side_floats(self.prt.order) as u64;
         let stored = width / 4 * self.storage.bytes();
         kept * (width + 2 * stored) + all.min(u64::from(self.prt.batch / 2)) * width + 24 * all
     }
@@ -286,7 +287,7 @@ impl<'a> Run<'a> {
             direct_sun: false,
             order: 5,
         };
-        let mut levels = LevelSums::new(&job.levels);
+        let mut levels = LevelSums::new(&job.levels, job.prt.order);
         if self.so_far.transfer.receivers > 0 {
             levels.restore(&self.so_far.levels).map_err(Error::usage)?;
         }

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::{Case, Outcome};
 use crate::Result;
-use crate::abi::{PRT_COEFFICIENTS, RAY_NOTHING};
+use crate::abi::RAY_NOTHING;
 use crate::gpu::Gpu;
 use crate::leaf::lvc::{Lvc, LvcSettings};
 use crate::leaf::optics::Optics;
@@ -30,7 +30,9 @@ pub(super) fn cases() -> Vec<Case> {
         case("light.nearest_hit.resumed", resumed),
         case("light.nearest_hit.coincident", coincident),
         case("light.nearest_hit.watertight", watertight),
-        case("light.prt.transfer", transfer),
+        case("light.prt.transfer", |gpu| transfer(gpu, 5)),
+        case("light.prt.order_6", |gpu| transfer(gpu, 6)),
+        case("light.prt.order_1", |gpu| transfer(gpu, 1)),
         case("light.lvc.bytes", bytes),
     ]
 }
@@ -333,9 +335,11 @@ fn leaves() -> (Setting, Receivers) {
     (s, receivers)
 }
 
-fn transfer(gpu: &Gpu) -> Result<Outcome> {
+/// Transfer vectors of `order` bands.
+fn transfer(gpu: &Gpu, order: u32) -> Result<Outcome> {
     let (s, receivers) = leaves();
     let settings = PrtSettings {
+        order,
         paths: 50,
         batch: 600,
         offset: 1e-4,
@@ -358,8 +362,8 @@ fn transfer(gpu: &Gpu) -> Result<Outcome> {
             let expected = scene.transfer(receiver, number as u32, side as u32, settings.paths);
             for (part, expected) in expected.iter().enumerate() {
                 let found = found.vector(number, side, part);
-                for k in 0..PRT_COEFFICIENTS as usize {
-                    let d = expected[k] - DVec3::from(found[k].map(f64::from));
+                for (expected, found) in expected.iter().zip(found) {
+                    let d = expected - DVec3::from(found.map(f64::from));
                     error = error.max(d.abs().max_element());
                 }
             }
