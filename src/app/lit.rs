@@ -7,6 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::cli::light::OpticsArgs;
 use super::input::{Input, Source};
 use crate::foliage::Split;
+use crate::leaf::import::USUAL_TRANSMISSION;
 use crate::leaf::light::{ModelKey, model_key, optics_key};
 use crate::leaf::optics::Optics;
 use crate::leaf::rays::Occluders;
@@ -14,10 +15,6 @@ use crate::leaf::receivers::Receivers;
 use crate::leaf::refine::Refined;
 use crate::scene::{Geometry, Model};
 use crate::{Error, Result};
-
-/// Transmittance of leaves whose material says nothing of it, in shares of the reflectance: green
-/// leaves let through about what they reflect, and less blue (the spec's measured species).
-const UNTOLD_TRANSMITTANCE: [f32; 3] = [1.0, 1.1, 0.5];
 
 /// A model, ready to be lit.
 #[derive(Debug)]
@@ -109,6 +106,7 @@ fn optics(
     args: &OpticsArgs,
 ) -> Result<Vec<Optics>> {
     let mut leaf = vec![false; model.materials.len()];
+    let mut used = leaf.clone();
     // A model without foliage by name is leaves all over.
     let parts = match Split::new(model, geometry, pattern) {
         Ok(split) => split.foliage_parts,
@@ -117,19 +115,31 @@ fn optics(
     };
     for (part, is_leaf) in geometry.parts.iter().zip(parts) {
         leaf[part.material] |= is_leaf;
+        used[part.material] = true;
     }
     let named = args.leaf()?;
-    let one = |(material, leaf): (&crate::scene::Material, bool)| {
+    let one = |((material, leaf), used): ((&crate::scene::Material, bool), bool)| {
         let mut optics = Optics::of_material(model, material)?;
         if leaf {
             if let Some(named) = &named {
                 optics = Optics::of_leaf(named);
             } else if material.diffuse_transmission.is_none() {
-                optics.rho_t = [0, 1, 2].map(|c| UNTOLD_TRANSMITTANCE[c] * optics.rho_d_front[c]);
+                let share = USUAL_TRANSMISSION.map(|v| v as f32);
+                optics.rho_t = [0, 1, 2].map(|c| share[c] * optics.rho_d_front[c]);
             }
             args.apply(&mut optics);
         }
+        let above = optics.above_one();
+        if used && above > 0 {
+            log::warn!(
+                "{}: material {:?}: reflectance and transmittance together are above 1 in {above} \
+                 of 3 channels: scaled to 1",
+                model.name,
+                material.name
+            );
+        }
         Ok(optics)
     };
-    model.materials.iter().zip(leaf).map(one).collect()
+    let materials = model.materials.iter().zip(leaf).zip(used);
+    materials.map(one).collect()
 }

@@ -47,8 +47,11 @@ impl PendingFile {
             name.to_string_lossy(),
             std::process::id()
         ));
+        // Made and registered in one go, so that an interrupt finds both or neither.
+        let mut registered = registry();
         let file = File::create(&temporary).map_err(|e| unwritable(path, &e))?;
-        registry().insert(temporary.clone());
+        registered.insert(temporary.clone());
+        drop(registered);
         Ok(Self {
             path: path.to_owned(),
             temporary,
@@ -141,7 +144,9 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
 /// Removes half-written files when the user presses Ctrl-C or the process is asked to end.
 pub fn remove_on_interrupt() {
     let installed = ctrlc::set_handler(|| {
-        for path in registry().iter() {
+        // Held until the end: no other thread makes a file in between.
+        let registered = registry();
+        for path in registered.iter() {
             let _ = fs::remove_file(path);
         }
         std::process::exit(INTERRUPTED);

@@ -132,7 +132,7 @@ impl Edit {
                 side.gloss *= gloss;
             }
             if let Some(change) = self.roughness {
-                let new = |m: f32| change.apply(f64::from(m)).clamp(0.01, 1.0) as f32;
+                let new = |m: f32| change.apply(f64::from(m)).clamp(1e-3, 1.0) as f32;
                 side.m = new(side.m);
                 if let Some(maps) = side.maps.as_mut().map(Arc::make_mut) {
                     maps.specular.iter_mut().for_each(|t| t[3] = new(t[3]));

@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3};
 
 use crate::abi::SH_MAX_COEFFICIENTS;
 use crate::math::sh;
+use crate::scene::float_image::{FloatImage, Transfer};
 use crate::{Error, Result};
 
 /// RGB of each coefficient, of every band that transfer may have.
@@ -142,19 +143,16 @@ fn cell(row: usize, column: usize, width: usize, height: usize) -> (DVec3, f64) 
 }
 
 impl Panorama {
-    /// Reads an EXR or Radiance HDR file; `up` is the unit vector to its zenith.
+    /// Reads an EXR or Radiance HDR file (or an sRGB PNG or JPEG); `up` is the unit vector to its zenith.
     ///
     /// # Errors
     /// Neither, damaged, or with texels that are NaN, infinite or negative (counted).
     pub fn read(path: &Path, up: DVec3) -> Result<Self> {
-        let image = image::ImageReader::open(path)
-            .and_then(image::ImageReader::with_guessed_format)
-            .map_err(|e| Error::file(path, format!("environment: {e}")))?
-            .decode()
-            .map_err(|e| Error::file(path, format!("environment: {e}")))?
-            .into_rgb32f();
-        let (width, height) = (image.width() as usize, image.height() as usize);
-        let pixels: Vec<[f32; 3]> = image.pixels().map(|p| p.0).collect();
+        let wrong = |e: &dyn std::fmt::Display| Error::file(path, format!("environment: {e}"));
+        let bytes = std::fs::read(path).map_err(|e| wrong(&e))?;
+        let image = FloatImage::decode(&path.to_string_lossy(), &bytes, Transfer::Srgb)?;
+        let (width, height) = (image.width as usize, image.height as usize);
+        let pixels = image.pixels.iter().map(|p| [p[0], p[1], p[2]]).collect();
         Self::new(width, height, pixels, up).map_err(|reason| Error::file(path, reason))
     }
 

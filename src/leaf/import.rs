@@ -14,14 +14,14 @@ use super::slab_table::SlabTable;
 use super::species::{DRAWN_SIZE, LeafSpecies};
 use crate::Result;
 use crate::math::colour::{linear_to_srgb8, srgb8_to_linear};
-use crate::scene::textures::{Rgba8, decode, encode_png};
+use crate::scene::textures::{Rgba8, decode_of, encode_png};
 use crate::scene::{
     AlphaMode, DiffuseTransmission, ImageSource, Material, Model, Texture, TextureRef, Wrap,
 };
 
 /// Transmittance over reflectance of a green leaf, per channel, where a material does not say: the
 /// median of the ten measured leaves in `species.rs`.
-const USUAL_TRANSMISSION: [f64; 3] = [1.0, 1.1, 0.15];
+pub const USUAL_TRANSMISSION: [f64; 3] = [1.0, 1.1, 0.15];
 /// Most that a channel may give back where a material says more.
 const MOST: f64 = 0.95;
 
@@ -39,52 +39,26 @@ pub fn leaf_of_material(model: &Model, material: &Material) -> Result<LeafMateri
     if let Some(species) = grown(model, material) {
         return Ok(species.drawn(DRAWN_SIZE));
     }
-    let texture = |t: &Option<TextureRef>| -> Result<Option<Rgba8>> {
-        let Some(t) = t else { return Ok(None) };
-        let image = model.textures[t.texture].image;
-        decode(&model.images[image]).map(Some)
-    };
-    let base = texture(&material.base_color_texture)?;
-    let mask = base.as_ref().and_then(|image| visible(material, image));
-    let mean = base
-        .as_ref()
-        .map_or([1.0; 3], |image| mean_colour(image, mask.as_deref()));
-    let diffuse = 1.0 - f64::from(material.metallic.clamp(0.0, 1.0));
-    let colour: [f64; 3] =
-        std::array::from_fn(|c| diffuse * f64::from(material.base_color[c].max(0.0)) * mean[c]);
-    let transmission = material.diffuse_transmission.as_ref();
-    let light = texture(&transmission.and_then(|d| d.color_texture))?;
-    let (rho_d, rho_t) = match transmission {
-        Some(d) => {
-            let tint = light.as_ref().map_or([1.0; 3], |image| {
-                let fits = |m: &&[f32]| 4 * m.len() == image.pixels.len();
-                mean_colour(image, mask.as_deref().filter(fits))
-            });
-            let share = texture(&d.texture)?.map_or(1.0, |image| mean_alpha(&image));
-            let f = (f64::from(d.factor) * share).clamp(0.0, 1.0);
-            let through = |c: usize| diffuse * f * f64::from(d.color[c]) * tint[c];
-            (colour.map(|v| (1.0 - f) * v), [0, 1, 2].map(through))
-        }
-        None => (
-            colour,
-            std::array::from_fn(|c| colour[c] * USUAL_TRANSMISSION[c]),
-        ),
-    };
+    let said = Said::new(model, material)?;
+    let through = said.rho_t;
+    let untold = std::array::from_fn(|c| said.rho_d[c] * USUAL_TRANSMISSION[c]);
+    let (rho_d, rho_t) = (said.rho_d, through.unwrap_or(untold));
     let (rho_d, rho_t) = within_energy(rho_d, rho_t);
     let (mut side, _) = Side::of_albedo(rho_d, rho_t, USUAL_THICKNESS_MM);
     side.rho_s = [USUAL_GLOSS; 3];
     // glTF's roughness is the square root of Beckmann's alpha.
     side.m = material.roughness.powi(2).clamp(0.05, 1.0);
     // Where nothing is said of the light that goes through, it is taken to follow the colour.
-    let light = if transmission.is_some() {
-        light.as_ref()
+    let light = if through.is_some() {
+        said.light.as_ref()
     } else {
-        base.as_ref()
+        said.base.as_ref()
     };
-    side.maps = base.as_ref().map(|image| {
-        let mut maps = gamma_maps(image, mean, side.m);
+    let mask = said.mask.as_deref();
+    side.maps = said.base.as_ref().map(|image| {
+        let mut maps = gamma_maps(image, said.mean, side.m);
         if let Some(light) = light.filter(|l| (l.width, l.height) == (image.width, image.height)) {
-            thicken(&mut maps, &side, light, mask.as_deref());
+            thicken(&mut maps, &side, light, mask);
         }
         Arc::new(maps)
     });
@@ -94,10 +68,66 @@ pub fn leaf_of_material(model: &Model, material: &Material) -> Result<LeafMateri
         mode: Mode::Exact,
         lower: side.clone(),
         upper: side,
-        mask,
+        mask: said.mask,
     };
     leaf.check()?;
     Ok(leaf)
+}
+
+/// What a material says of itself, as means over what is visible of it.
+pub(super) struct Said {
+    /// Its base colour texture.
+    base: Option<Rgba8>,
+    /// Where that is visible; `None`: everywhere.
+    mask: Option<Arc<[f32]>>,
+    /// Linear mean of the base colour texture.
+    pub mean: [f64; 3],
+    /// Its diffuse transmission colour texture.
+    light: Option<Rgba8>,
+    /// Diffuse reflectance, `(1 - f) base`.
+    pub rho_d: [f64; 3],
+    /// Diffuse transmittance, `f tint`; nothing where the material has no diffuse transmission.
+    pub rho_t: Option<[f64; 3]>,
+}
+
+impl Said {
+    /// # Errors
+    /// A texture that cannot be read.
+    pub(super) fn new(model: &Model, material: &Material) -> Result<Self> {
+        let texture = |t: &Option<TextureRef>| -> Result<Option<Rgba8>> {
+            let Some(t) = t else { return Ok(None) };
+            decode_of(model, model.textures[t.texture].image).map(Some)
+        };
+        let base = texture(&material.base_color_texture)?;
+        let mask = base.as_ref().and_then(|image| visible(material, image));
+        let mean = base
+            .as_ref()
+            .map_or([1.0; 3], |image| mean_colour(image, mask.as_deref()));
+        let diffuse = 1.0 - f64::from(material.metallic.clamp(0.0, 1.0));
+        let colour: [f64; 3] =
+            std::array::from_fn(|c| diffuse * f64::from(material.base_color[c].max(0.0)) * mean[c]);
+        let mut out = Self {
+            base,
+            mask,
+            mean,
+            light: None,
+            rho_d: colour,
+            rho_t: None,
+        };
+        let Some(d) = &material.diffuse_transmission else {
+            return Ok(out);
+        };
+        out.light = texture(&d.color_texture)?;
+        let tint = out.light.as_ref().map_or([1.0; 3], |image| {
+            let fits = |m: &&[f32]| 4 * m.len() == image.pixels.len();
+            mean_colour(image, out.mask.as_deref().filter(fits))
+        });
+        let share = texture(&d.texture)?.map_or(1.0, |image| mean_alpha(&image));
+        let f = (f64::from(d.factor) * share).clamp(0.0, 1.0);
+        out.rho_d = colour.map(|v| (1.0 - f) * v);
+        out.rho_t = Some([0, 1, 2].map(|c| diffuse * f * f64::from(d.color[c].max(0.0)) * tint[c]));
+        Ok(out)
+    }
 }
 
 /// Where a material's alpha lets its texture be seen; `None`: everywhere.

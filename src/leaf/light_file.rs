@@ -238,7 +238,7 @@ fn consistent(light: &Light) -> Result<(), &'static str> {
     }
     if let Some(v) = &light.visibility {
         let directions = match &v.directions {
-            Directions::Cube { side } => 6 * (*side as usize).pow(2),
+            Directions::Cube { side } => 6_usize.saturating_mul((*side as usize).saturating_pow(2)),
             Directions::Path(path) => path.len(),
         };
         let whole = |m: &Vec<u8>| runs::decode(m, v.vertices as usize).is_some();

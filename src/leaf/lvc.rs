@@ -5,7 +5,7 @@
 use super::rays::RayScene;
 use super::receivers::Receivers;
 use super::trace::{Query, RayBatch, Split, Tracer};
-use crate::abi::LvcBatch;
+use crate::abi::{LvcBatch, Receiver};
 use crate::gpu::shaders::leaf as shaders;
 use crate::gpu::{Binding, Buffer, BufferInfo, ComputePipeline, Gpu, QueueKind};
 use crate::{Error, Result};
@@ -28,6 +28,8 @@ pub struct LvcSettings {
     pub offset: f32,
     /// Rays of a batch.
     pub batch: u32,
+    /// Receivers on the device at once; where a buffer holds fewer, those.
+    pub at_once: u32,
 }
 
 impl Default for LvcSettings {
@@ -38,6 +40,7 @@ impl Default for LvcSettings {
             exhaustive: false,
             offset: 1e-5,
             batch: 1 << 18,
+            at_once: u32::MAX,
         }
     }
 }
@@ -49,7 +52,10 @@ pub struct Lvc<'a> {
     scene: &'a RayScene,
     tracer: Tracer,
     settings: LvcSettings,
-    receivers: Buffer,
+    /// Receivers, as many as a buffer holds, or the next of them in turn.
+    receivers: Vec<Buffer>,
+    /// Receivers of each of these buffers but the last.
+    at_once: u32,
     counts: Buffer,
     rays: RayBatch,
     make: ComputePipeline,
@@ -82,9 +88,15 @@ impl<'a> Lvc<'a> {
                 settings.radius_degrees
             )));
         }
+        let fits = gpu.info().limits.max_storage_range / size_of::<Receiver>() as u64;
+        let at_once = settings.at_once.min(fits as u32).max(1);
+        let parts = receivers.points.chunks(at_once as usize);
         Ok(Self {
             tracer: Tracer::new(gpu)?,
-            receivers: gpu.upload("receivers", &receivers.points)?,
+            receivers: parts
+                .map(|part| gpu.upload("receivers", part))
+                .collect::<Result<_>>()?,
+            at_once,
             counts: gpu.buffer(BufferInfo::device(
                 "open rays",
                 u64::from(settings.batch).next_multiple_of(4),
@@ -121,14 +133,37 @@ impl<'a> Lvc<'a> {
     /// # Errors
     /// When memory runs out or the device is lost.
     pub fn maps(&mut self, directions: &[[f32; 3]]) -> Result<Vec<u8>> {
-        let items: Vec<[u32; 2]> = (0..directions.len() as u32)
-            .flat_map(|d| (0..self.vertices).map(move |v| [d, v]))
-            .collect();
         let centres = self.gpu.upload("sun directions", directions)?;
+        let vertices = self.vertices as usize;
+        if self.receivers.len() == 1 {
+            return self.part(&centres, directions.len() as u32, 0);
+        }
+        let mut out = vec![0; directions.len() * vertices];
+        for part in 0..self.receivers.len() {
+            let bytes = self.part(&centres, directions.len() as u32, part)?;
+            let first = part * self.at_once as usize;
+            let count = bytes.len() / directions.len().max(1);
+            for (row, part) in bytes.chunks_exact(count.max(1)).enumerate() {
+                let at = row * vertices + first;
+                out[at..at + count].copy_from_slice(part);
+            }
+        }
+        Ok(out)
+    }
+
+    /// [`Lvc::maps`] of the receivers of one buffer.
+    fn part(&mut self, centres: &Buffer, directions: u32, part: usize) -> Result<Vec<u8>> {
+        let first = part as u32 * self.at_once;
+        let count = self.at_once.min(self.vertices - first);
+        let receivers = self.receivers[part].clone();
+        let items: Vec<[u32; 2]> = (0..directions)
+            .flat_map(|d| (0..count).map(move |v| [d, v]))
+            .collect();
+        let sees = (&receivers, centres);
         let first = self.first_samples();
         let all = self.settings.samples;
         // The outermost samples have the highest numbers.
-        let open = self.open(&centres, &items, (all - first, first))?;
+        let open = self.open(sees, &items, (all - first, first))?;
         if first == all {
             return Ok(open.iter().map(|&n| byte(n, all)).collect());
         }
@@ -136,7 +171,7 @@ impl<'a> Lvc<'a> {
             .filter(|&i| open[i] != 0 && u32::from(open[i]) != first)
             .collect();
         let listed: Vec<[u32; 2]> = mixed.iter().map(|&i| items[i]).collect();
-        let rest = self.open(&centres, &listed, (0, all - first))?;
+        let rest = self.open(sees, &listed, (0, all - first))?;
         let mut bytes: Vec<u8> = open.iter().map(|&n| byte(n, first)).collect();
         for (&i, &more) in mixed.iter().zip(&rest) {
             bytes[i] = byte(open[i] + more, all);
@@ -147,7 +182,7 @@ impl<'a> Lvc<'a> {
     /// How many of `samples` rays from sample `first` on meet nothing, for each item.
     fn open(
         &mut self,
-        centres: &Buffer,
+        (receivers, centres): (&Buffer, &Buffer),
         items: &[[u32; 2]],
         (first, samples): (u32, u32),
     ) -> Result<Vec<u8>> {
@@ -170,7 +205,7 @@ impl<'a> Lvc<'a> {
                 "sun rays",
                 &self.make,
                 &[
-                    Binding::Read(&self.receivers),
+                    Binding::Read(receivers),
                     Binding::Read(centres),
                     Binding::Read(&listed),
                     Binding::StorageWrite(&self.rays.image),

@@ -1,10 +1,10 @@
 //! What a material makes of light, as far as the precomputation needs it: mean values per side.
 
 use super::appearance::{Face, LeafMaterial};
+use super::import::Said;
 use crate::Result;
 use crate::abi::LeafSides;
-use crate::math::colour::srgb_to_linear;
-use crate::scene::{AlphaMode, Material, Model, TextureRef, textures};
+use crate::scene::{Material, Model};
 
 /// Reflectance and transmittance per channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,21 +47,29 @@ impl Optics {
         }
     }
 
-    /// What `material` says: the mean of its colour, split by `KHR_materials_diffuse_transmission`
-    /// where it has that. Sums are kept below 1.
+    /// What `material` says: the mean of its colour, and where it has
+    /// `KHR_materials_diffuse_transmission` with factor f, `rho_d = (1 - f) base` and
+    /// `rho_t = f tint`; otherwise nothing goes through. As [`super::import`] reads it.
     ///
     /// # Errors
     /// A texture that cannot be decoded.
     pub fn of_material(model: &Model, material: &Material) -> Result<Self> {
-        let base = mean_colour(model, material)?;
-        let Some(transmission) = &material.diffuse_transmission else {
-            return Ok(Self::opaque(base));
-        };
-        let share = transmission.factor.clamp(0.0, 1.0);
-        let through = [0, 1, 2].map(|c| share * transmission.color[c] * base[c]);
-        let mut out = Self::opaque(base.map(|b| (1.0 - share) * b));
-        out.rho_t = through;
+        let said = Said::new(model, material)?;
+        let mut out = Self::opaque(said.rho_d.map(|v| v as f32));
+        out.rho_t = said.rho_t.unwrap_or_default().map(|v| v as f32);
         Ok(out)
+    }
+
+    /// Channels in which a side would give back more than falls on it; kernels scale those.
+    #[must_use]
+    pub fn above_one(&self) -> usize {
+        (0..3)
+            .filter(|&c| {
+                let shine = self.rho_s[c].max(0.0);
+                let most = self.rho_d_front[c].max(self.rho_d_back[c]);
+                most + shine + self.rho_t[c] > 1.0 + 1e-6
+            })
+            .count()
     }
 
     /// The form of the kernels of transfer: the glossy reflection is part of the diffuse one.
@@ -99,27 +107,11 @@ impl Optics {
     }
 }
 
-/// Linear mean of what is leaf of a base colour texture, times the factor.
+/// Linear mean of what is visible of a base colour texture, times the factor.
 ///
 /// # Errors
 /// A texture that cannot be decoded.
 pub fn mean_colour(model: &Model, material: &Material) -> Result<[f32; 3]> {
-    let [r, g, b, _] = material.base_color;
-    let Some(TextureRef { texture, .. }) = material.base_color_texture else {
-        return Ok([r, g, b]);
-    };
-    let image = textures::decode(&model.images[model.textures[texture].image])?;
-    let (mut sum, mut weight) = ([0.0_f64; 3], 0.0_f64);
-    for p in image.pixels.chunks_exact(4) {
-        let w = match material.alpha_mode {
-            AlphaMode::Opaque => 1.0,
-            _ => f64::from(p[3]) / 255.0,
-        };
-        for c in 0..3 {
-            sum[c] += w * f64::from(srgb_to_linear(f32::from(p[c]) / 255.0));
-        }
-        weight += w;
-    }
-    let mean = sum.map(|s| if weight > 0.0 { s / weight } else { 1.0 });
-    Ok([r * mean[0] as f32, g * mean[1] as f32, b * mean[2] as f32])
+    let mean = Said::new(model, material)?.mean;
+    Ok([0, 1, 2].map(|c| material.base_color[c] * mean[c] as f32))
 }

@@ -46,7 +46,8 @@ impl Receivers {
                 let number = faces.len() as u32;
                 for &i in t {
                     let known = &mut face_of[i as usize];
-                    if area.length() > known.0 {
+                    // Of faces that are alike but for rounding, the first.
+                    if area.length() > known.0 * (1.0 + 1e-5) {
                         *known = (area.length(), number);
                     }
                 }

@@ -16,19 +16,18 @@ pub fn encode(bytes: &[u8]) -> Vec<u8> {
 /// The `count` bytes of some runs; nothing when the runs say otherwise.
 #[must_use]
 pub fn decode(runs: &[u8], count: usize) -> Option<Vec<u8>> {
-    let mut out = Vec::with_capacity(count);
     let pairs = runs.chunks_exact(2);
-    if !pairs.remainder().is_empty() {
+    // What the runs say is compared before anything of that size is made.
+    let lengths = pairs.clone().map(|pair| usize::from(pair[1]));
+    let whole = pairs.remainder().is_empty() && pairs.clone().all(|pair| pair[1] > 0);
+    if !whole || lengths.sum::<usize>() != count {
         return None;
     }
+    let mut out = Vec::with_capacity(count);
     for pair in pairs {
-        let end = out.len() + usize::from(pair[1]);
-        if pair[1] == 0 || end > count {
-            return None;
-        }
-        out.resize(end, pair[0]);
+        out.resize(out.len() + usize::from(pair[1]), pair[0]);
     }
-    (out.len() == count).then_some(out)
+    Some(out)
 }
 
 #[cfg(test)]
@@ -55,6 +54,7 @@ mod tests {
             }
         }
         assert!(decode(&[1], 1).is_none() && decode(&[1, 0], 0).is_none());
+        assert!(decode(&[1, 9], usize::MAX).is_none(), "nothing is reserved");
         assert_eq!(encode(&[9; 300]), [9, 255, 9, 45]);
     }
 }

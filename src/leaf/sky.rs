@@ -21,11 +21,14 @@ pub struct ClearSky {
 }
 
 impl ClearSky {
+    /// Turbidities that the model was fitted to, 1 being air without dust.
+    pub const TURBIDITY: std::ops::RangeInclusive<f64> = 1.7..=10.0;
+
     /// The sky for the sun at `sun` with turbidity `turbidity` (2 very clear, 10 hazy); a sun below
     /// the horizon is put onto it.
     #[must_use]
     pub fn new(up: DVec3, sun: DVec3, turbidity: f64) -> Self {
-        let t = turbidity.clamp(1.7, 10.0);
+        let t = turbidity.clamp(*Self::TURBIDITY.start(), *Self::TURBIDITY.end());
         let theta = sun.dot(up).clamp(0.0, 1.0).acos();
         let line = |a: f64, b: f64| a * t + b;
         let perez = [

@@ -16,7 +16,7 @@ use crate::gpu::{
 /// Paths of a batch.
 const BATCH: u32 = 1 << 17;
 /// Bounces at most.
-const BOUNCES: u32 = 64;
+pub(crate) const BOUNCES: u32 = 64;
 
 /// The parts of a path-traced picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,26 +113,32 @@ pub fn trace(
     })
 }
 
+/// What is the same for all paths of a picture; the twin starts from it too.
+pub(crate) fn frame(scene: &LitScene<'_>, film: &Film, seed: u32) -> TruthFrame {
+    let occluders = scene.occluders;
+    let scale = f64::from(occluders.scale);
+    let [right, up] = film_axes(&film.camera);
+    TruthFrame {
+        eye: (scale * (film.camera.eye - scene.geometry.origin))
+            .as_vec3()
+            .to_array(),
+        width: film.size[0],
+        forward: film.camera.forward.as_vec3().to_array(),
+        height: film.size[1],
+        right: right.to_array(),
+        seed,
+        up: up.to_array(),
+        offset: 1e-5,
+        sun: film.sun.towards.as_vec3().to_array(),
+        sin_radius: film.sun.radius_degrees.to_radians().sin() as f32,
+        irradiance: film.sun.irradiance.as_vec3().to_array(),
+    }
+}
+
 impl<'a> PathTracer<'a> {
     fn new(gpu: &'a Gpu, scene: &LitScene<'_>, film: &Film, seed: u32) -> Result<Self> {
         let occluders = scene.occluders;
-        let scale = f64::from(occluders.scale);
-        let [right, up] = film_axes(&film.camera);
-        let frame = TruthFrame {
-            eye: (scale * (film.camera.eye - scene.geometry.origin))
-                .as_vec3()
-                .to_array(),
-            width: film.size[0],
-            forward: film.camera.forward.as_vec3().to_array(),
-            height: film.size[1],
-            right: right.to_array(),
-            seed,
-            up: up.to_array(),
-            offset: 1e-5,
-            sun: film.sun.towards.as_vec3().to_array(),
-            sin_radius: film.sun.radius_degrees.to_radians().sin() as f32,
-            irradiance: film.sun.irradiance.as_vec3().to_array(),
-        };
+        let frame = frame(scene, film, seed);
         let pixels = u64::from(film.size[0]) * u64::from(film.size[1]);
         let device = |name: &str, bytes: u64| gpu.buffer(BufferInfo::device(name, bytes));
         let sampler = gpu.sampler(&SamplerInfo {

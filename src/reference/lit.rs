@@ -22,7 +22,7 @@ pub struct Pixel {
 }
 
 /// Beckmann's distribution of slopes over cos^4.
-fn slope_distribution(cos_h: f64, m: f64) -> f64 {
+pub(super) fn slope_distribution(cos_h: f64, m: f64) -> f64 {
     let c2 = (cos_h * cos_h).max(1e-8);
     ((1.0 - 1.0 / c2) / (m * m)).exp() / (PI * m * m * c2 * c2)
 }

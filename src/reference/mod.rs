@@ -17,3 +17,4 @@ pub mod realign;
 pub mod shade;
 pub mod skylight;
 pub mod subset;
+pub mod truth;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::ranges::{real, real32};
 use crate::leaf::edit::{Change, Channels};
 use crate::leaf::{Face, Mode};
 
@@ -146,11 +147,11 @@ pub struct EditArgs {
     /// Scattering per channel in 1/mm or as factors
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true)]
     pub sigma_s: Option<Channels>,
-    /// Factor on the glossy reflection
-    #[arg(long, value_name = "FACTOR")]
+    /// Factor on the glossy reflection, 0 to 1000
+    #[arg(long, value_name = "FACTOR", value_parser = real32(0.0, 1000.0), allow_hyphen_values = true)]
     pub gloss: Option<f32>,
-    /// Roughness of the gloss, or a factor on it
-    #[arg(long, value_name = "M|FACTORx")]
+    /// Roughness m of the gloss, kept in 0.001 to 1, or a factor on it
+    #[arg(long, value_name = "M|FACTORx", allow_hyphen_values = true)]
     pub roughness: Option<Change>,
     /// Constant A and B (paper), or from the table (exact)
     #[arg(long)]
@@ -238,14 +239,14 @@ pub struct FitArgs {
     /// Roughness of the lower side's gloss
     #[arg(long, value_name = "IMAGE")]
     pub roughness_lower: Option<PathBuf>,
-    /// Mean thickness, millimetres: a free scale
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = crate::leaf::appearance::USUAL_THICKNESS_MM)]
+    /// Mean thickness, millimetres, 1e-6 to 1000: a free scale
+    #[arg(long, value_name = "MM", value_parser = real(1e-6, 1000.0), allow_hyphen_values = true, default_value_t = crate::leaf::appearance::USUAL_THICKNESS_MM)]
     pub thickness: f64,
     /// What the numbers of PNG and JPEG mean (EXR and HDR are linear, masks and roughness too)
     #[arg(long, default_value = "srgb")]
     pub encoding: EncodingName,
-    /// Surface reflection that the reflectance contains (0.035 from an integrating sphere)
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    /// Surface reflection that the reflectance contains, 0 to 0.5 (0.035 from an integrating sphere)
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = real32(0.0, 0.5), allow_hyphen_values = true)]
     pub surface: f32,
     /// Fit by the paper's closed forms with constant A and B, or from the table
     #[arg(long, default_value = "exact")]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::commands::InputArgs;
+use super::ranges::{channels, real, real32};
 use crate::Result;
 use crate::leaf::optics::Optics;
 use crate::leaf::{LeafMaterial, LeafSpecies, files};
@@ -24,7 +25,7 @@ impl std::str::FromStr for Triple {
         match numbers.as_deref() {
             Some(&[v]) => Ok(Self([v; 3])),
             Some(&[a, b, c]) => Ok(Self([a, b, c])),
-            _ => Err("expected R,G,B or one number".into()),
+            _ => Err("expected three numbers or one".into()),
         }
     }
 }
@@ -50,19 +51,19 @@ pub struct OpticsArgs {
     #[arg(long, value_name = "SPECIES|FILE")]
     pub leaf: Option<String>,
     /// Diffuse reflectance of the upper side, 0 to 1 per channel
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", value_parser = channels(0.0, 1.0), allow_hyphen_values = true)]
     pub reflectance: Option<Triple>,
     /// Diffuse reflectance of the lower side [default: that of the upper side]
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", value_parser = channels(0.0, 1.0), allow_hyphen_values = true)]
     pub reflectance_below: Option<Triple>,
     /// Diffuse transmittance, 0 to 1 per channel
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", value_parser = channels(0.0, 1.0), allow_hyphen_values = true)]
     pub transmittance: Option<Triple>,
     /// Specular intensity `rho_s`, 0 to 1 per channel
-    #[arg(long, value_name = "R,G,B")]
+    #[arg(long, value_name = "R,G,B", value_parser = channels(0.0, 1.0), allow_hyphen_values = true)]
     pub gloss: Option<Triple>,
     /// Roughness m of the specular term, 0.001 to 1
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = real(0.001, 1.0), allow_hyphen_values = true)]
     pub roughness: Option<f64>,
 }
 
@@ -102,7 +103,7 @@ impl OpticsArgs {
             optics.rho_s = rgb(gloss);
         }
         if let Some(m) = self.roughness {
-            optics.roughness = (m as f32).clamp(1e-3, 1.0);
+            optics.roughness = m as f32;
         }
     }
 }
@@ -127,8 +128,8 @@ pub struct SunArgs {
     /// Unit-free vector to the sun, +y up [default: azimuth -28, elevation 50 degrees]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub sun_direction: Option<Triple>,
-    /// Angular radius of the sun, degrees, 0 to 45
-    #[arg(long, value_name = "DEGREES", default_value_t = crate::leaf::lvc::SUN_RADIUS_DEGREES)]
+    /// Angular radius of the sun, degrees, 0 (a point) to 44
+    #[arg(long, value_name = "DEGREES", default_value_t = crate::leaf::lvc::SUN_RADIUS_DEGREES, value_parser = real(0.0, 44.0), allow_hyphen_values = true)]
     pub sun_radius: f64,
 }
 
@@ -141,14 +142,14 @@ pub struct LightArgs {
     /// Light file to write
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
-    /// Paths of each side of each vertex; 0 computes no transfer
-    #[arg(long, default_value_t = 1024)]
+    /// Paths of each side of each vertex, at most 16,777,216; 0 computes no transfer
+    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(0..=1 << 24))]
     pub paths: u32,
     /// Bands of the transfer vectors, 1 to 6; the square of it are coefficients
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,
-    /// Bounces of a path at most
-    #[arg(long, default_value_t = 64)]
+    /// Bounces of a path at most, 1 to 65,536
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     pub bounces: u32,
     /// How transfer vectors are stored: f32, f16 or 8bit
     #[arg(long, default_value = "f16")]
@@ -159,7 +160,9 @@ pub struct LightArgs {
         long,
         value_name = "E,E,..",
         value_delimiter = ',',
-        default_value = "0"
+        default_value = "0",
+        value_parser = real32(0.0, 1.0),
+        allow_hyphen_values = true
     )]
     pub lod: Vec<f32>,
     /// For which directions of the sun visibility is computed
@@ -168,26 +171,26 @@ pub struct LightArgs {
     /// Texels along an edge of the cube
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub cube_side: u32,
-    /// Latitude of the day, degrees
-    #[arg(long, default_value_t = 50.0, allow_hyphen_values = true)]
+    /// Latitude of the day, degrees, -90 to 90
+    #[arg(long, default_value_t = 50.0, value_parser = real(-90.0, 90.0), allow_hyphen_values = true)]
     pub latitude: f64,
     /// Day of the year, 1 to 366
-    #[arg(long, default_value_t = 172)]
+    #[arg(long, default_value_t = 172, value_parser = clap::value_parser!(u32).range(1..=366))]
     pub day: u32,
-    /// Minutes between two directions of the day
-    #[arg(long, default_value_t = 5.0)]
+    /// Minutes between two directions of the day, 0.01 to 720
+    #[arg(long, default_value_t = 5.0, value_parser = real(0.01, 720.0), allow_hyphen_values = true)]
     pub minutes: f64,
     /// Times that every triangle is split into four for the sun's shadows, 0 to 4
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=4))]
     pub splits: u32,
     /// Points of the sun's disc, 1 to 255
-    #[arg(long, default_value_t = 16)]
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=255))]
     pub samples: u32,
     /// Try all points everywhere; otherwise the four outermost decide where the rest is tried
     #[arg(long)]
     pub exhaustive: bool,
-    /// A ray starts so far from its surface, in diagonals of the model
-    #[arg(long, default_value_t = 1e-5)]
+    /// A ray starts so far from its surface, in diagonals of the model, 0 to 0.01
+    #[arg(long, default_value_t = 1e-5, value_parser = real32(0.0, 0.01), allow_hyphen_values = true)]
     pub offset: f32,
     /// Same seed, same result
     #[arg(long, default_value_t = 1)]
@@ -195,6 +198,9 @@ pub struct LightArgs {
     /// Largest light in memory, bytes; more is refused before the work
     #[arg(long, default_value_t = 2 << 30)]
     pub max_bytes: u64,
+    /// Seconds between two savings of what is done so far, 0 to 86,400; Ctrl-C loses no more
+    #[arg(long, value_name = "SECONDS", default_value_t = 20.0, value_parser = real(0.0, 86_400.0), allow_hyphen_values = true)]
+    pub checkpoint: f64,
     /// Keeps the visibility maps of a light file of the same model: leaves of other optics need
     /// new transfer vectors only
     #[arg(long, value_name = "FILE")]
@@ -262,14 +268,15 @@ pub struct LitArgs {
         long,
         value_name = "R,G,B",
         default_value = "3.0,2.85,2.55",
+        value_parser = channels(0.0, 1e6),
         allow_hyphen_values = true
     )]
     pub sun_irradiance: Triple,
     /// Bands of the transfer vectors that are used at most, 1 to 6
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,
-    /// Strength of the window against ringing on the sun's indirect light
-    #[arg(long, default_value_t = 0.002)]
+    /// Strength of the window against ringing on the sun's indirect light, 0 (none) to 1
+    #[arg(long, default_value_t = 0.002, value_parser = real(0.0, 1.0), allow_hyphen_values = true)]
     pub window: f64,
     /// Reads the nearest stored map instead of computing one for the sun's place
     #[arg(long)]
@@ -284,14 +291,14 @@ pub struct LitArgs {
     /// Pixels drawn for one of the picture, along each axis, 1 to 8
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub supersample: u32,
-    /// Paths through every pixel of the truth
-    #[arg(long, default_value_t = 64)]
+    /// Paths through every pixel of the truth, 1 to 65,536
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     pub truth_samples: u32,
     /// Times that the frame is drawn, for the medians of `--timings`
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
-    /// Factor on the light [default: the brightest leaves are white]
-    #[arg(long)]
+    /// Factor on the light, 1e-9 to 1e9 [default: the brightest leaves are white]
+    #[arg(long, value_parser = real32(1e-9, 1e9), allow_hyphen_values = true)]
     pub light_exposure: Option<f32>,
     /// Compares with pictures of linear light, `PREFIX_full.exr` and `PREFIX_sun_direct.exr`
     #[arg(long, value_name = "PREFIX")]

@@ -5,6 +5,7 @@ pub mod commands;
 pub mod global;
 pub mod leaf;
 pub mod light;
+mod ranges;
 pub mod tables;
 
 use clap::{Parser, Subcommand};

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::app::cli::LightArgs;
 use crate::app::cli::light::SunDirections;
 use crate::app::lit::LitModel;
-use crate::app::output::{PendingFile, write_atomically};
+use crate::app::output::{PendingFile, check_ending, write_atomically};
 use crate::app::report::Table;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
@@ -26,9 +26,6 @@ use crate::leaf::{light_file, runs};
 use crate::render::plan::human_bytes;
 use crate::scene::{Geometry, Sun};
 use crate::{Error, Result};
-
-/// Between two checkpoints.
-const CHECKPOINT: Duration = Duration::from_secs(20);
 
 /// Window against ringing of the light that levels are compared in: the default of `render`.
 const WINDOW: f64 = 0.002;
@@ -68,6 +65,7 @@ struct Done {
 /// # Errors
 /// Wrong input or settings, a light over the bound, an unwritable output, a failing device.
 pub fn run(context: &Context, args: &LightArgs) -> Result<Report> {
+    check_ending(&args.output, &["light"])?;
     let output = PendingFile::create(&args.output)?;
     let job = Job::new(args)?;
     let plan = job.plan(args)?;
@@ -211,6 +209,8 @@ struct Run<'a> {
     checkpoint: PathBuf,
     so_far: Checkpoint,
     saved: Instant,
+    /// Time between two checkpoints.
+    between: Duration,
     done: Done,
 }
 
@@ -243,6 +243,7 @@ impl<'a> Run<'a> {
             checkpoint,
             so_far,
             saved: Instant::now(),
+            between: Duration::from_secs_f64(args.checkpoint),
             done: Done::default(),
         })
     }
@@ -269,7 +270,7 @@ impl<'a> Run<'a> {
 
     /// Writes what is done, when it is time.
     fn save(&mut self, update: impl FnOnce(&mut Checkpoint) -> Result<()>) -> Result<()> {
-        if self.saved.elapsed() < CHECKPOINT {
+        if self.saved.elapsed() < self.between {
             return Ok(());
         }
         update(&mut self.so_far)?;
@@ -298,7 +299,7 @@ impl<'a> Run<'a> {
             levels.add(prt.take(), &lighting);
             let step = prt.step();
             let rate = (step.done - before) as f64 / start.elapsed().as_secs_f64();
-            working.step(&progress("transfer", step.done, step.all, rate));
+            working.step(&progress(("transfer", "paths"), step.done, step.all, rate));
             self.save(|so_far| {
                 so_far.transfer = prt.snapshot()?;
                 so_far.levels = levels.state();
@@ -332,7 +333,7 @@ impl<'a> Run<'a> {
             maps.extend(bytes.chunks_exact(vertices).map(runs::encode));
             let rate = (maps.len() - before) as f64 / start.elapsed().as_secs_f64();
             let (done, of) = (maps.len() as u64, all.len() as u64);
-            working.step(&progress("visibility", done, of, rate));
+            working.step(&progress(("visibility", "maps"), done, of, rate));
             self.save(|so_far| {
                 so_far.maps.clone_from(&maps);
                 Ok(())
@@ -381,11 +382,16 @@ fn compared(sun: DVec3) -> [Coefficients; 2] {
     [sky.coefficients(), sun.coefficients(WINDOW)]
 }
 
-/// `transfer 43 %, 1.2 M/s, 35 s left`.
-fn progress(what: &str, done: u64, all: u64, rate: f64) -> String {
+/// `transfer 43 %, 1.2 Mpaths/s, 35 s left`.
+fn progress((what, unit): (&str, &str), done: u64, all: u64, rate: f64) -> String {
     let left = (all - done.min(all)) as f64 / rate.max(1e-9);
+    let rate = match rate {
+        r if r >= 1e6 => format!("{:.1} M", 1e-6 * r),
+        r if r >= 1e4 => format!("{:.0} k", 1e-3 * r),
+        r => format!("{r:.1} "),
+    };
     format!(
-        "{what} {} %, {rate:.0}/s, {left:.0} s left",
+        "{what} {} %, {rate}{unit}/s, {left:.0} s left",
         100 * done / all.max(1)
     )
 }
@@ -460,4 +466,17 @@ fn level_table(light: &Light, errors: &[LevelError]) -> Table {
         ]);
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_tells_share_rate_and_rest() {
+        let told = progress(("transfer", "paths"), 250, 1000, 25.0);
+        assert_eq!(told, "transfer 25 %, 25.0 paths/s, 30 s left");
+        let told = progress(("visibility", "maps"), 0, 0, 2.5e6);
+        assert_eq!(told, "visibility 0 %, 2.5 Mmaps/s, 0 s left");
+    }
 }

@@ -1,6 +1,6 @@
 //! `umbrage render --lighting`: leaves under sun and sky.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use super::render::encode;
 use crate::app::cli::RenderArgs;
 use crate::app::cli::light::{Lighting, LitArgs, Triple};
 use crate::app::lit::LitModel;
-use crate::app::output::PendingFile;
+use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::report::Table;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
@@ -29,6 +29,7 @@ use crate::leaf::refine::Refined;
 use crate::leaf::sky::ClearSky;
 use crate::leaf::truth;
 use crate::render::{self, Picture, RenderSettings};
+use crate::scene::float_image::{FloatImage, Transfer};
 use crate::scene::{Camera, Lens};
 use crate::{Error, Result};
 
@@ -52,10 +53,19 @@ struct Drawn {
 /// Wrong input or settings, a light file of another model, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     let settings = picture_settings(None, &args.picture)?;
-    let output = PendingFile::create(&args.output)?;
+    check_ending(&args.output, &["png", "jpg", "jpeg"])?;
     let [source] = args.inputs.as_slice() else {
         return Err(Error::usage("--lighting: takes one model"));
     };
+    check_apart(&args.output, source.files(&args.model.textures))?;
+    for &lighting in &args.lit.lighting {
+        if let Some(prefix) = &args.lit.reference {
+            // Told before the work.
+            let path = reference_path(prefix, lighting);
+            std::fs::File::open(&path).map_err(|e| Error::file(&path, e))?;
+        }
+    }
+    let output = PendingFile::create(&args.output)?;
     let mut timings = Timings::default();
     let model = &args.model;
     let lit = timings.measure("read", || {
@@ -167,17 +177,30 @@ fn environment(text: &str, sun: &Sun) -> Result<Environment> {
             }
         }
         Some(("clear", turbidity)) => {
-            let t = turbidity.parse().map_err(|_| {
-                Error::usage(format!("--environment {text}: expected clear:TURBIDITY"))
-            })?;
+            let t = turbidity.parse().ok();
+            let t = t
+                .filter(|t| ClearSky::TURBIDITY.contains(t))
+                .ok_or_else(|| {
+                    Error::usage(format!(
+                        "--environment {text}: expected clear:TURBIDITY from {} to {}",
+                        ClearSky::TURBIDITY.start(),
+                        ClearSky::TURBIDITY.end()
+                    ))
+                })?;
             Environment::Clear(ClearSky::new(UP, sun.towards, t))
         }
         _ => Environment::Panorama(Panorama::read(Path::new(text), UP)?),
     };
-    if let Environment::Constant(a) | Environment::Linear { a, .. } = &sky
-        && a.min_element() < 0.0
-    {
-        return Err(Error::usage(format!("--environment {text}: is below 0")));
+    let least = match &sky {
+        Environment::Constant(a) => a.min_element(),
+        // At the zenith or at the nadir.
+        Environment::Linear { a, b, .. } => (*a - b.abs()).min_element(),
+        _ => 0.0,
+    };
+    if least < 0.0 {
+        return Err(Error::usage(format!(
+            "--environment {text}: is below 0 somewhere ({least})"
+        )));
     }
     Ok(sky)
 }
@@ -411,32 +434,36 @@ fn errors(drawn: &[Drawn], reference: Option<&Path>) -> Result<Vec<(String, Diff
     }
     if let Some(prefix) = reference {
         for d in drawn {
-            let part = if d.lighting == Lighting::Lvc {
-                "sun_direct"
-            } else {
-                "full"
-            };
-            let name = prefix.file_name().unwrap_or_default().to_string_lossy();
-            let path = prefix.with_file_name(format!("{name}_{part}.exr"));
+            let path = reference_path(prefix, d.lighting);
             let map = read_map(&path)?;
             let difference = d.map.difference(&map).map_err(|e| Error::file(&path, e))?;
-            out.push((format!("{} to {name}_{part}", d.name), difference));
+            let name = path.file_stem().unwrap_or_default().to_string_lossy();
+            out.push((format!("{} to {name}", d.name), difference));
         }
     }
     Ok(out)
 }
 
+/// The picture that one lighting is compared with.
+fn reference_path(prefix: &Path, lighting: Lighting) -> PathBuf {
+    let part = if lighting == Lighting::Lvc {
+        "sun_direct"
+    } else {
+        "full"
+    };
+    let name = prefix.file_name().unwrap_or_default().to_string_lossy();
+    prefix.with_file_name(format!("{name}_{part}.exr"))
+}
+
 /// A picture of linear light.
 fn read_map(path: &Path) -> Result<RadianceMap> {
-    let image = image::ImageReader::open(path)
-        .map_err(|e| Error::file(path, e))?
-        .decode()
-        .map_err(|e| Error::file(path, e))?
-        .into_rgb32f();
+    let bytes = std::fs::read(path).map_err(|e| Error::file(path, e))?;
+    let image = FloatImage::decode(&path.to_string_lossy(), &bytes, Transfer::Srgb)?;
+    let pixels = image.pixels.iter().map(|p| [p[0], p[1], p[2], 1.0]);
     Ok(RadianceMap {
-        width: image.width() as usize,
-        height: image.height() as usize,
-        pixels: image.pixels().map(|p| [p[0], p[1], p[2], 1.0]).collect(),
+        width: image.width as usize,
+        height: image.height as usize,
+        pixels: pixels.collect(),
     })
 }
 

@@ -14,6 +14,7 @@ mod light;
 mod lit;
 mod render;
 mod skylight;
+mod truth;
 
 use crate::Result;
 use crate::gpu::Gpu;
@@ -93,5 +94,6 @@ pub fn cases() -> Vec<Case> {
     cases.extend(render::cases());
     cases.extend(light::cases());
     cases.extend(lit::cases());
+    cases.extend(truth::cases());
     cases
 }

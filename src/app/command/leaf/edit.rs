@@ -1,16 +1,23 @@
 //! `umbrage leaf edit`: a leaf changed and written.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
 use super::{card, load, map_format, write};
 use crate::Result;
 use crate::app::cli::leaf::EditArgs;
+use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::report::Table;
 use crate::app::{Report, console};
 use crate::leaf::edit::Edit;
 use crate::leaf::{Face, LeafMaterial, SideOptics};
 
 pub(super) fn run(args: &EditArgs) -> Result<Report> {
+    check_ending(&args.output, &["toml", "glb"])?;
+    check_apart(&args.output, [Path::new(&args.input.leaf)])?;
+    // A wrong place is told before the work; the leaf's own files follow at the end.
+    drop(PendingFile::create(&args.output)?);
     let working = console::working("editing the leaf");
     let mut leaf = load(&args.input)?;
     let before = Face::ALL.map(|face| leaf.optics(face));

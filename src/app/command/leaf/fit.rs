@@ -8,7 +8,7 @@ use serde_json::json;
 use super::edit::tissue;
 use super::{map_format, write};
 use crate::app::cli::leaf::{EncodingName, FitArgs};
-use crate::app::output::PendingFile;
+use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::report::Table;
 use crate::app::{Report, console};
 use crate::leaf::Face;
@@ -18,6 +18,11 @@ use crate::scene::textures::encode_png;
 use crate::{Error, Result};
 
 pub(super) fn run(args: &FitArgs) -> Result<Report> {
+    check_ending(&args.output, &["toml"])?;
+    if let Some(residuals) = &args.residuals {
+        check_ending(residuals, &["png"])?;
+        check_apart(residuals, images(args))?;
+    }
     // A wrong output is told before the work; the fit's own files follow at the end.
     drop(PendingFile::create(&args.output)?);
     let residuals = args
@@ -52,6 +57,21 @@ pub(super) fn run(args: &FitArgs) -> Result<Report> {
     }
     drop(working);
     Ok(report(args, &fitted, &files, seconds))
+}
+
+/// Every image that is read.
+fn images(args: &FitArgs) -> impl Iterator<Item = &Path> {
+    let maybe = [
+        &args.reflectance_lower,
+        &args.mask,
+        &args.specular_upper,
+        &args.specular_lower,
+        &args.roughness_upper,
+        &args.roughness_lower,
+    ];
+    let always = [&args.reflectance_upper, &args.transmittance];
+    let given = maybe.into_iter().filter_map(Option::as_ref);
+    always.into_iter().chain(given).map(PathBuf::as_path)
 }
 
 fn read(args: &FitArgs) -> Result<FitInput> {

@@ -5,7 +5,7 @@ use serde_json::json;
 use super::load;
 use crate::Result;
 use crate::app::cli::leaf::{Sheet, ShowArgs};
-use crate::app::output::PendingFile;
+use crate::app::output::{PendingFile, check_ending};
 use crate::app::{Report, console};
 use crate::leaf::edit::{Change, Channels, Edit};
 use crate::leaf::picture::{Lit, MapView, lit, map, over};
@@ -20,6 +20,7 @@ const DUSK: f32 = 0.035;
 type Labelled = (String, Picture);
 
 pub(super) fn run(args: &ShowArgs) -> Result<Report> {
+    check_ending(&args.output, &["png", "jpg", "jpeg"])?;
     let output = PendingFile::create(&args.output)?;
     let leaf = load(&args.input)?;
     let working = console::working("drawing the leaf");
