@@ -65,6 +65,8 @@ macro_rules! abi {
 mod foliage;
 #[path = "abi/gpu.rs"]
 mod gpu;
+#[path = "abi/lamps.rs"]
+mod lamps;
 #[path = "abi/leaf.rs"]
 mod leaf;
 #[path = "abi/light.rs"]
@@ -74,6 +76,7 @@ mod render;
 
 pub use foliage::*;
 pub use gpu::*;
+pub use lamps::*;
 pub use leaf::*;
 pub use light::*;
 pub use render::*;
@@ -86,6 +89,7 @@ pub fn glsl() -> String {
         foliage::glsl(),
         leaf::glsl(),
         light::glsl(),
+        lamps::glsl(),
         render::glsl(),
     ]
     .concat();
@@ -100,6 +104,7 @@ pub fn layouts() -> Vec<StructLayout> {
         foliage::layouts(),
         leaf::layouts(),
         light::layouts(),
+        lamps::layouts(),
         render::layouts(),
     ]
     .concat()

@@ -24,4 +24,23 @@ vec3 leaf_scatters(LeafSides leaf, vec4 gloss, vec3 normal, vec3 to_light, vec3 
     return light * eye > 0.0 ? rho_d * (abs(light) / LEAF_PI) + shine : through;
 }
 
+// From the eye through the middle of a pixel, of length 1 along the direction of view.
+vec3 view_of_pixel(LitFrame frame, uvec2 pixel) {
+    vec2 on_film = 2.0 * (vec2(pixel) + 0.5) / vec2(frame.width, frame.height) - 1.0;
+    return frame.forward + on_film.x * frame.right - on_film.y * frame.up;
+}
+
+// Where the surface of a pixel lies; `depth` is reversed, infinitely far at 0.
+vec3 position_of_pixel(LitFrame frame, uvec2 pixel, float depth) {
+    return frame.eye + (frame.near / depth) * view_of_pixel(frame, pixel);
+}
+
+// Unit vector from the surface of a pixel to the eye. Which side is seen (the sign of `side`) follows
+// from the triangle; where the shading normal disagrees, at a rim, it is turned to that side.
+vec3 to_eye_of_pixel(LitFrame frame, uvec2 pixel, vec3 normal, float side) {
+    vec3 to_eye = -normalize(view_of_pixel(frame, pixel));
+    float facing = dot(normal, to_eye);
+    return facing * side < 0.0 ? normalize(to_eye - (1.0 + 1e-3) * facing * normal) : to_eye;
+}
+
 #endif

@@ -25,15 +25,8 @@ void main() {
     vec4 surface = texelFetch(surface_map, ivec2(pixel), 0);
     vec4 material = texelFetch(material_map, ivec2(pixel), 0);
     if (light.a > 0.0) {
-        vec2 on_film = 2.0 * (vec2(pixel) + 0.5) / vec2(frame.width, frame.height) - 1.0;
-        vec3 direction = frame.forward + on_film.x * frame.right - on_film.y * frame.up;
-        vec3 to_eye = -normalize(direction);
         vec3 normal = normalize(surface.xyz);
-        // Which side is seen follows from the triangle; the shading normal may disagree at a rim.
-        float facing = dot(normal, to_eye);
-        if (facing * surface.w < 0.0) {
-            to_eye = normalize(to_eye - (1.0 + 1e-3) * facing * normal);
-        }
+        vec3 to_eye = to_eye_of_pixel(frame, pixel, normal, surface.w);
         uint id = uint(material.w + 0.5);
         vec3 scattered = leaf_scatters(materials[id], gloss[id], normal, frame.sun, to_eye);
         light.rgb += material.rgb * frame.irradiance * (abs(surface.w) - 1.0) * scattered;

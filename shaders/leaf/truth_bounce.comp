@@ -6,9 +6,10 @@
 #include "dispatch.glsl"
 #include "random.glsl"
 #include "leaf_brdf.glsl"
+#include "lamp.glsl"
 
 // What becomes of the paths of light: those that meet nothing see the sky; the others ask for
-// the sun (a second ray each) and go on.
+// the sun or a lamp (a second ray each) and go on.
 
 layout(local_size_x = GROUP_1D) in;
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { TruthFrame frame; };
@@ -25,6 +26,9 @@ layout(set = 0, binding = 10, rgba32f) uniform restrict writeonly image2D sun_ra
 layout(set = 0, binding = 11, scalar) restrict buffer Paths { TruthPath paths[]; };
 // How many go on: tells the host whether another bounce is needed, nothing else.
 layout(set = 0, binding = 12, scalar) restrict buffer Alive { uint alive_count; };
+layout(set = 0, binding = 13, scalar) restrict readonly buffer Lamps { LampRecord lamps[]; };
+// Of the sun's shape, in units of its radius; then of the lamps.
+layout(set = 0, binding = 14, scalar) restrict readonly buffer Points { vec3 points[]; };
 layout(push_constant, scalar) uniform Push { TruthBatch push; };
 
 vec3 sky_radiance(vec3 d) {
@@ -43,6 +47,46 @@ vec3 shading_normal(uint triangle, vec3 at, vec3 face) {
     float size = dot(n, n);
     n = size > 0.0 ? n * inversesqrt(size) : face;
     return dot(n, face) < 0.0 ? -n : n;
+}
+
+// A sample of the sun or of a lamp.
+struct LightSample {
+    // To it; the ray ends at this many lengths.
+    vec3 to;
+    float reach;
+    // Irradiance of all lights that the sample stands for.
+    vec3 irradiance;
+};
+
+LightSample sample_sun(uint key, uint counter) {
+    float radius = frame.sin_radius * sqrt(random(key, counter));
+    float turn = 2.0 * LEAF_PI * random(key, counter + 1u);
+    vec2 place = vec2(radius * cos(turn), radius * sin(turn));
+    if (frame.sun_points > 0u) {
+        uint i = uint(random(key, counter) * float(frame.sun_points));
+        place = frame.sin_radius * points[min(i, frame.sun_points - 1u)].xy;
+    }
+    vec3 to_sun = normalize(to_frame(frame.sun, vec3(place, 1.0)));
+    return LightSample(to_sun, RAY_FAR, frame.irradiance);
+}
+
+LightSample sample_light(uint key, uint counter, vec3 at) {
+    uint lights = frame.suns + frame.lamps;
+    uint chosen = uint(random(key, counter + 6u) * float(lights));
+    if (chosen < frame.suns) {
+        LightSample light = sample_sun(key, counter);
+        light.irradiance *= float(lights);
+        return light;
+    }
+    if (lights == 0u) {
+        return LightSample(vec3(0.0, 1.0, 0.0), -1.0, vec3(0.0));
+    }
+    LampRecord lamp = lamps[min(chosen, lights - 1u) - frame.suns];
+    uint i = uint(random(key, counter + 7u) * float(lamp.points));
+    vec3 to = points[lamp.first_point + min(i, lamp.points - 1u)] - at;
+    float falloff = lamp_falloff(to, lamp.normal, lamp.least);
+    float reach = falloff > 0.0 ? LAMP_REACH : -1.0;
+    return LightSample(to, reach, lamp.intensity * (float(lamp.points * lights) * falloff));
 }
 
 float mean_of(vec3 v) {
@@ -81,14 +125,15 @@ void main() {
     vec4 shine = gloss[floatBitsToUint(face.w)];
     vec3 to_eye = -direction;
     bool front = dot(normal, to_eye) > 0.0;
-    // The sun.
-    float radius = frame.sin_radius * sqrt(random(key, counter));
-    float turn = 2.0 * LEAF_PI * random(key, counter + 1u);
-    vec3 to_sun = normalize(to_frame(frame.sun, vec3(radius * cos(turn), radius * sin(turn), 1.0)));
-    float sun_side = dot(face.xyz, to_sun) < 0.0 ? -frame.offset : frame.offset;
-    imageStore(sun_rays, texel, vec4(at + sun_side * face.xyz, RAY_FAR));
-    imageStore(sun_rays, texel + ivec2(1, 0), vec4(to_sun, 0.0));
-    paths[path].pending = state.weight * frame.irradiance * leaf_scatters(leaf, shine, normal, to_sun, to_eye);
+    // The sun, or a lamp.
+    LightSample light = sample_light(key, counter, at);
+    float light_side = dot(face.xyz, light.to) < 0.0 ? -frame.offset : frame.offset;
+    vec3 start = light_side * face.xyz;
+    vec3 to_light = light.reach < 1.0 ? light.to - start : light.to;
+    imageStore(sun_rays, texel, vec4(at + start, light.reach));
+    imageStore(sun_rays, texel + ivec2(1, 0), vec4(to_light, 0.0));
+    vec3 towards = normalize(light.to);
+    paths[path].pending = state.weight * light.irradiance * leaf_scatters(leaf, shine, normal, towards, to_eye);
     if (push.bounce == 0u) {
         paths[path].covered = 1.0;
     }

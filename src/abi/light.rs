@@ -43,6 +43,10 @@ abi! {
         PATH_ALIVE: f32 = -1.0;
         /// State of a path that was absorbed; others hold the bounce at which they escaped.
         PATH_ENDED: f32 = -2.0;
+        /// Points of the filter of the sun's shadow map.
+        LIT_SHADOW_TAPS: u32 = 16;
+        /// Steepest slope of a leaf against the sun that its shadow map is read at.
+        LIT_SHADOW_STEEPEST: f32 = 8.0;
     }
     structs {
         /// Push constants of `leaf/any_hit.comp` and `leaf/nearest_hit.comp`.
@@ -117,8 +121,6 @@ abi! {
             first_sample: u32,
             /// Samples of this batch.
             samples: u32,
-            /// Samples that cover the disc.
-            all_samples: u32,
             /// Sine of the disc's angular radius.
             sin_radius: f32,
             /// A ray starts so far from its surface, in units of the diagonal.
@@ -153,6 +155,12 @@ abi! {
             sin_radius: f32,
             /// Its irradiance on a surface that faces it.
             irradiance: [f32; 3],
+            /// 1 where there is a sun.
+            suns: u32,
+            /// Points of the sun's shape, the first ones of all points; 0: an even disc.
+            sun_points: u32,
+            /// Lamps.
+            lamps: u32,
         }
 
         /// A path of light, followed from the camera.
@@ -161,13 +169,13 @@ abi! {
             weight: [f32; 3],
             /// `PATH_ALIVE` or `PATH_ENDED`.
             alive: f32,
-            /// Light of the sun that waits for its ray.
+            /// Light of the sun or a lamp that waits for its ray.
             pending: [f32; 3],
             /// 1 where the camera's ray met the model.
             covered: f32,
-            /// Sun on what the camera sees.
+            /// Sun and lamps on what the camera sees.
             direct: [f32; 3],
-            /// Sun over other leaves.
+            /// Sun and lamps over other leaves.
             indirect: [f32; 3],
             /// Sky.
             sky: [f32; 3],
@@ -205,10 +213,28 @@ abi! {
             height: u32,
             /// Half the picture's height at distance 1.
             up: [f32; 3],
+            /// Distance of depth 1, metres.
+            near: f32,
+            /// Camera.
+            eye: [f32; 3],
             /// Unit vector to the sun.
             sun: [f32; 3],
             /// Its irradiance on a surface that faces it.
             irradiance: [f32; 3],
+        }
+
+        /// A map of the sun's depth, seen along its direction.
+        ShadowView {
+            /// Relative position to clip, depth reversed.
+            relative_to_sun: [[f32; 4]; 4],
+            /// Texels along an edge.
+            size: u32,
+            /// Extent of a texel, metres.
+            texel: f32,
+            /// Extent along the light, metres.
+            range: f32,
+            /// Radius of the filter, texels.
+            radius: f32,
         }
 
         /// Push constants of `leaf/lit.{vert,frag}`: one part of the model.

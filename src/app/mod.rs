@@ -8,6 +8,7 @@ pub mod command;
 pub mod conform;
 pub mod console;
 pub mod context;
+pub mod film;
 pub mod input;
 pub mod lit;
 pub mod output;

@@ -3,9 +3,11 @@
 use glam::{DVec3, Vec3};
 
 use super::environment::{Environment, Sun};
+use super::lamp::Lamp;
 use super::optics::Optics;
 use super::rays::Occluders;
 use super::receivers::Receivers;
+use super::shape::Shape;
 use crate::Result;
 use crate::gpu::{Buffer, Format, Gpu, Image, ImageInfo, QueueKind};
 use crate::scene::{Camera, Geometry, Model};
@@ -37,8 +39,12 @@ pub struct Film {
     pub size: [u32; 2],
     /// The sun.
     pub sun: Sun,
-    /// Everything else.
+    /// What the sun's light is spread over, in the square about its disc.
+    pub sun_shape: Shape,
+    /// Everything else that is far.
     pub sky: Environment,
+    /// Lamps near the scene.
+    pub lamps: Vec<Lamp>,
 }
 
 /// Half the picture's width and height at distance 1, along the camera's axes.

@@ -2,16 +2,20 @@
 //! and between leaves from the transfer vectors into one of three targets, the second adds the
 //! sun by what each pixel's leaf scatters, times the visibility of the disc.
 
+use std::cell::OnceCell;
+
 use super::film::{Film, LitScene, film_axes, gloss};
+use super::lit_lamps::{LampLight, LampRenderer, LampsOnDevice};
 use super::optics::mean_colour;
 use super::radiance_map::RadianceMap;
+use super::shadow_map::{self, ShadowRenderer, ShadowSettings};
 use crate::Result;
 use crate::abi::{LitDraw, LitFrame};
 use crate::gpu::shaders::leaf as shaders;
 use crate::gpu::{
     AddressMode, Binding, Buffer, BufferInfo, ColorTarget, ComputePipeline, DepthTarget, Format,
     Gpu, GraphicsPipeline, GraphicsPipelineInfo, Image, ImageInfo, PassTime, QueueKind, RenderPass,
-    Sampler, SamplerInfo,
+    Sampler, SamplerInfo, Work,
 };
 use crate::scene::{AlphaMode, Wrap, textures};
 
@@ -51,6 +55,23 @@ pub struct LitRenderer {
     plain: Sampler,
     first: GraphicsPipeline,
     second: ComputePipeline,
+    /// Made when the first lamp is drawn.
+    lamps: OnceCell<LampRenderer>,
+    /// Made when the first shadow map is drawn; its size stays.
+    shadow: OnceCell<ShadowRenderer>,
+}
+
+/// Light on the vertices of the mesh that is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct VertexLight<'a> {
+    /// What leaves the front and back of each vertex (sky and indirect light).
+    pub radiance: &'a [[f32; 3]],
+    /// Share of the sun's disc that each vertex sees, \[0, 1\].
+    pub visibility: &'a [f32],
+    /// Lamps near the scene.
+    pub lamps: Option<LampLight<'a>>,
+    /// The sun's shadows by a shadow map too, for pictures whose vertices see nothing of it.
+    pub shadow: Option<ShadowSettings>,
 }
 
 impl std::fmt::Debug for LitRenderer {
@@ -98,6 +119,8 @@ impl LitRenderer {
                 ..GraphicsPipelineInfo::default()
             })?,
             second: gpu.compute_pipeline(shaders::LIT_SUN_COMP)?,
+            lamps: OnceCell::new(),
+            shadow: OnceCell::new(),
         };
         out.load_materials(scene)?;
         Ok(out)
@@ -189,8 +212,7 @@ impl LitRenderer {
         targets + others + self.radiance.bytes() + self.visibility.bytes()
     }
 
-    /// Draws: `radiance` leaves the front and back of each vertex (sky and indirect light),
-    /// `visibility` is the share of the sun's disc that each sees. Also the device times.
+    /// Draws under `light`. Also the device times.
     ///
     /// # Errors
     /// When memory runs out or the device is lost.
@@ -198,11 +220,50 @@ impl LitRenderer {
         &self,
         scene: &LitScene<'_>,
         film: &Film,
-        radiance: &[[f32; 3]],
-        visibility: &[f32],
+        light: &VertexLight<'_>,
     ) -> Result<(RadianceMap, Vec<PassTime>)> {
+        let frame = self.frame(scene, film);
+        let lamps = match &light.lamps {
+            Some(lamps) if !lamps.lamps.is_empty() => {
+                let device = LampsOnDevice::new(&self.gpu, lamps, scene.geometry.origin)?;
+                let renderer = made(&self.lamps, || LampRenderer::new(&self.gpu, self.size))?;
+                Some((renderer, device))
+            }
+            _ => None,
+        };
+        let mut work = self.gpu.work(QueueKind::Graphics, "lit picture")?;
+        work.upload("lit frame", &self.frame, &[frame])?;
+        work.upload("radiance", &self.radiance, light.radiance)?;
+        work.upload("visibility", &self.visibility, light.visibility)?;
+        self.surfaces(&mut work)?;
+        self.sun(&mut work)?;
+        if let Some(settings) = light.shadow {
+            let renderer = made(&self.shadow, || {
+                ShadowRenderer::new(&self.gpu, settings.size)
+            })?;
+            let points = &scene.geometry.positions;
+            let view = shadow_map::view(film.sun.towards, points, settings);
+            work.upload("shadow view", &renderer.view, &[view])?;
+            self.add_shadowed_sun(&mut work, renderer)?;
+        }
+        if let Some((renderer, device)) = &lamps {
+            self.add_lamps(&mut work, renderer, device)?;
+        }
+        let picture = work.read_image("lit picture", &self.picture)?;
+        let mut done = work.submit()?.wait()?;
+        let times = done.passes().to_vec();
+        let bytes = done.take(picture);
+        let map = RadianceMap {
+            width: self.size[0] as usize,
+            height: self.size[1] as usize,
+            pixels: bytemuck::pod_collect_to_vec(&bytes),
+        };
+        Ok((map, times))
+    }
+
+    fn frame(&self, scene: &LitScene<'_>, film: &Film) -> LitFrame {
         let [right, up] = film_axes(&film.camera);
-        let frame = LitFrame {
+        LitFrame {
             relative_to_clip: film
                 .camera
                 .relative_to_clip(scene.geometry.origin)
@@ -212,26 +273,27 @@ impl LitRenderer {
             right: right.to_array(),
             height: self.size[1],
             up: up.to_array(),
+            near: film.camera.near as f32,
+            eye: (film.camera.eye - scene.geometry.origin)
+                .as_vec3()
+                .to_array(),
             sun: film.sun.towards.as_vec3().to_array(),
             irradiance: film.sun.irradiance.as_vec3().to_array(),
-        };
-        let mut work = self.gpu.work(QueueKind::Graphics, "lit picture")?;
-        work.upload("lit frame", &self.frame, &[frame])?;
-        work.upload("radiance", &self.radiance, radiance)?;
-        work.upload("visibility", &self.visibility, visibility)?;
-        let vertex_reads = [
-            Binding::Read(&self.frame),
-            Binding::Read(&self.positions),
-            Binding::Read(&self.normals),
-            Binding::Read(&self.texcoords),
-            Binding::Read(&self.radiance),
-            Binding::Read(&self.visibility),
-        ];
+        }
+    }
+
+    /// Draws the model into colour targets and a depth target.
+    fn raster(
+        &self,
+        work: &mut Work,
+        label: &'static str,
+        (pipeline, targets, depth): (&GraphicsPipeline, &[Image], &Image),
+        vertex_reads: &[Binding<'_>],
+    ) -> Result<()> {
         let mut reads = vertex_reads.to_vec();
         reads.push(Binding::Index(&self.indices));
         reads.extend(self.textures.iter().map(|(i, s)| Binding::Sampled(i, s)));
-        let color: Vec<ColorTarget<'_>> = self
-            .targets
+        let color: Vec<ColorTarget<'_>> = targets
             .iter()
             .map(|image| ColorTarget {
                 image,
@@ -241,18 +303,18 @@ impl LitRenderer {
             })
             .collect();
         let pass = RenderPass {
-            extent: self.size,
+            extent: depth.info().extent,
             color: &color,
             depth: Some(DepthTarget {
-                image: &self.depth,
+                image: depth,
                 clear: Some(0.0),
-                store: false,
+                store: true,
             }),
             reads: &reads,
         };
-        work.render("sky and leaf light", &pass, |draws| {
-            draws.pipeline(&self.first);
-            draws.bind(0, &vertex_reads)?;
+        work.render(label, &pass, |draws| {
+            draws.pipeline(pipeline);
+            draws.bind(0, vertex_reads)?;
             draws.index_buffer(&self.indices);
             for part in &self.parts {
                 let (image, sampler) = &self.textures[part.texture];
@@ -262,7 +324,25 @@ impl LitRenderer {
                 draws.draw_indexed(part.first_index..last, 1)?;
             }
             Ok(())
-        })?;
+        })
+    }
+
+    /// First pass.
+    fn surfaces(&self, work: &mut Work) -> Result<()> {
+        let reads = [
+            Binding::Read(&self.frame),
+            Binding::Read(&self.positions),
+            Binding::Read(&self.normals),
+            Binding::Read(&self.texcoords),
+            Binding::Read(&self.radiance),
+            Binding::Read(&self.visibility),
+        ];
+        let into = (&self.first, self.targets.as_slice(), &self.depth);
+        self.raster(work, "sky and leaf light", into, &reads)
+    }
+
+    /// Second pass.
+    fn sun(&self, work: &mut Work) -> Result<()> {
         work.compute(
             "sun",
             &self.second,
@@ -277,16 +357,82 @@ impl LitRenderer {
             ],
             &(),
             [self.size[0], self.size[1], 1],
-        )?;
-        let picture = work.read_image("lit picture", &self.picture)?;
-        let mut done = work.submit()?.wait()?;
-        let times = done.passes().to_vec();
-        let bytes = done.take(picture);
-        let map = RadianceMap {
-            width: self.size[0] as usize,
-            height: self.size[1] as usize,
-            pixels: bytemuck::pod_collect_to_vec(&bytes),
-        };
-        Ok((map, times))
+        )
     }
+
+    /// The sun by a shadow map.
+    fn add_shadowed_sun(&self, work: &mut Work, renderer: &ShadowRenderer) -> Result<()> {
+        let reads = [
+            Binding::Read(&renderer.view),
+            Binding::Read(&self.positions),
+            Binding::Read(&self.texcoords),
+        ];
+        let into = (&renderer.first, [].as_slice(), &renderer.map);
+        self.raster(work, "shadow map", into, &reads)?;
+        work.compute(
+            "sun by shadow map",
+            &renderer.second,
+            &[
+                Binding::Read(&self.frame),
+                Binding::Read(&self.materials),
+                Binding::Read(&self.gloss),
+                Binding::Read(&renderer.view),
+                Binding::Sampled(&self.targets[1], &self.plain),
+                Binding::Sampled(&self.targets[2], &self.plain),
+                Binding::Sampled(&self.depth, &self.plain),
+                Binding::Sampled(&renderer.map, &self.plain),
+                Binding::StorageReadWrite(&self.picture),
+            ],
+            &(),
+            [self.size[0], self.size[1], 1],
+        )
+    }
+
+    /// Both passes again for every four lamps.
+    fn add_lamps(
+        &self,
+        work: &mut Work,
+        renderer: &LampRenderer,
+        device: &LampsOnDevice,
+    ) -> Result<()> {
+        for (pass, visibility) in &device.passes {
+            let reads = [
+                Binding::Read(&self.frame),
+                Binding::Read(&self.positions),
+                Binding::Read(&self.texcoords),
+                Binding::Read(visibility),
+            ];
+            let target = std::slice::from_ref(&renderer.target);
+            let into = (&renderer.first, target, &self.depth);
+            self.raster(work, "surfaces for lamps", into, &reads)?;
+            work.compute(
+                "lamps",
+                &renderer.second,
+                &[
+                    Binding::Read(&self.frame),
+                    Binding::Read(&self.materials),
+                    Binding::Read(&self.gloss),
+                    Binding::Read(&device.records),
+                    Binding::Read(&device.points),
+                    Binding::Sampled(&self.targets[1], &self.plain),
+                    Binding::Sampled(&self.targets[2], &self.plain),
+                    Binding::Sampled(&self.depth, &self.plain),
+                    Binding::Sampled(&renderer.target, &self.plain),
+                    Binding::StorageReadWrite(&self.picture),
+                ],
+                pass,
+                [self.size[0], self.size[1], 1],
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// What `cell` holds, made when it holds nothing.
+fn made<T>(cell: &OnceCell<T>, make: impl FnOnce() -> Result<T>) -> Result<&T> {
+    if let Some(found) = cell.get() {
+        return Ok(found);
+    }
+    let new = make()?;
+    Ok(cell.get_or_init(|| new))
 }

@@ -4,6 +4,7 @@
 
 use super::rays::RayScene;
 use super::receivers::Receivers;
+use super::shape::Shape;
 use super::trace::{Query, RayBatch, Split, Tracer};
 use crate::abi::{LvcBatch, Receiver};
 use crate::gpu::shaders::leaf as shaders;
@@ -57,6 +58,8 @@ pub struct Lvc<'a> {
     /// Receivers of each of these buffers but the last.
     at_once: u32,
     counts: Buffer,
+    /// Of the light's shape, in units of its radius.
+    points: Buffer,
     rays: RayBatch,
     make: ComputePipeline,
     count: ComputePipeline,
@@ -101,6 +104,7 @@ impl<'a> Lvc<'a> {
                 "open rays",
                 u64::from(settings.batch).next_multiple_of(4),
             ))?,
+            points: points(gpu, &Shape::Disc, settings.samples)?,
             rays: RayBatch::new(gpu, settings.batch)?,
             make: gpu.compute_pipeline(shaders::LVC_RAYS_COMP)?,
             count: gpu.compute_pipeline(shaders::LVC_COUNT_COMP)?,
@@ -110,6 +114,15 @@ impl<'a> Lvc<'a> {
             vertices: receivers.points.len() as u32,
             traced: 0,
         })
+    }
+
+    /// Spreads the light over `shape` in place of an even disc.
+    ///
+    /// # Errors
+    /// When memory runs out.
+    pub fn shaped(mut self, shape: &Shape) -> Result<Self> {
+        self.points = points(self.gpu, shape, self.settings.samples)?;
+        Ok(self)
     }
 
     /// Directions that one call of [`Lvc::maps`] may take.
@@ -195,7 +208,6 @@ impl<'a> Lvc<'a> {
                 items: items.len() as u32,
                 first_sample: first,
                 samples,
-                all_samples: self.settings.samples,
                 sin_radius: self.settings.radius_degrees.to_radians().sin() as f32,
                 offset: self.settings.offset,
                 invocations: Split::new(count).invocations,
@@ -209,6 +221,7 @@ impl<'a> Lvc<'a> {
                     Binding::Read(centres),
                     Binding::Read(&listed),
                     Binding::StorageWrite(&self.rays.image),
+                    Binding::Read(&self.points),
                 ],
                 &batch,
                 [count, 1, 1],
@@ -237,6 +250,15 @@ impl<'a> Lvc<'a> {
     pub fn times(&self) -> &[crate::gpu::PassTime] {
         &self.tracer.times
     }
+}
+
+fn points(gpu: &Gpu, shape: &Shape, count: u32) -> Result<Buffer> {
+    let rows: Vec<[f32; 2]> = shape
+        .points(count)
+        .iter()
+        .map(|p| p.map(|v| v as f32))
+        .collect();
+    gpu.upload("points of the sun", &rows)
 }
 
 fn byte(open: u8, of: u32) -> u8 {

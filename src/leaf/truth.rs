@@ -2,8 +2,10 @@
 //! measured against.
 
 use super::film::{Film, LitScene, film_axes, gloss, sky_image};
+use super::lamp::PlacedLamps;
 use super::radiance_map::RadianceMap;
 use super::rays::RayScene;
+use super::shape::Shape;
 use super::trace::{Query, RayBatch, Split, Tracer};
 use crate::Result;
 use crate::abi::{TruthBatch, TruthFrame, TruthPath};
@@ -15,15 +17,17 @@ use crate::gpu::{
 
 /// Paths of a batch.
 const BATCH: u32 = 1 << 17;
+/// Points of a lamp, or of the shape of the sun, that paths choose from.
+const POINTS: u32 = 1024;
 /// Bounces at most.
 pub(crate) const BOUNCES: u32 = 64;
 
 /// The parts of a path-traced picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
-    /// Light of the sun on what the camera sees.
+    /// Light of the sun and of lamps on what the camera sees.
     pub direct: RadianceMap,
-    /// Light of the sun over other leaves.
+    /// The same over other leaves.
     pub indirect: RadianceMap,
     /// Light of the sky, direct and over other leaves.
     pub sky: RadianceMap,
@@ -50,6 +54,8 @@ struct PathTracer<'a> {
     normals: Buffer,
     indices: Buffer,
     sky: (Image, Sampler),
+    lamps: Buffer,
+    points: Buffer,
     rays: RayBatch,
     sun_rays: RayBatch,
     paths: Buffer,
@@ -132,13 +138,44 @@ pub(crate) fn frame(scene: &LitScene<'_>, film: &Film, seed: u32) -> TruthFrame 
         sun: film.sun.towards.as_vec3().to_array(),
         sin_radius: film.sun.radius_degrees.to_radians().sin() as f32,
         irradiance: film.sun.irradiance.as_vec3().to_array(),
+        suns: u32::from(film.sun.irradiance.max_element() > 0.0),
+        sun_points: if film.sun_shape == Shape::Disc {
+            0
+        } else {
+            POINTS
+        },
+        lamps: film.lamps.len() as u32,
     }
+}
+
+/// The lamps, and the points of the sun's shape before theirs.
+/// Without lamps, one that nobody asks for: buffers hold something.
+pub(crate) fn lights(scene: &LitScene<'_>, film: &Film) -> PlacedLamps {
+    let frame = (scene.geometry.origin, f64::from(scene.occluders.scale));
+    let sun: Vec<[f32; 3]> = match &film.sun_shape {
+        Shape::Disc => vec![[0.0; 3]],
+        shape => shape
+            .points(POINTS)
+            .iter()
+            .map(|p| [p[0] as f32, p[1] as f32, 0.0])
+            .collect(),
+    };
+    let mut lamps = PlacedLamps::new(&film.lamps, frame, POINTS);
+    for record in &mut lamps.records {
+        record.first_point += sun.len() as u32;
+    }
+    lamps.points.splice(0..0, sun.iter().copied());
+    if lamps.records.is_empty() {
+        lamps.records.push(bytemuck::Zeroable::zeroed());
+    }
+    lamps
 }
 
 impl<'a> PathTracer<'a> {
     fn new(gpu: &'a Gpu, scene: &LitScene<'_>, film: &Film, seed: u32) -> Result<Self> {
         let occluders = scene.occluders;
         let frame = frame(scene, film, seed);
+        let lamps = lights(scene, film);
         let pixels = u64::from(film.size[0]) * u64::from(film.size[1]);
         let device = |name: &str, bytes: u64| gpu.buffer(BufferInfo::device(name, bytes));
         let sampler = gpu.sampler(&SamplerInfo {
@@ -159,6 +196,8 @@ impl<'a> PathTracer<'a> {
             normals: gpu.upload("normals", &scene.geometry.normals)?,
             indices: gpu.upload("indices", &occluders.indices)?,
             sky: (sky_image(gpu, &film.sky)?, sampler),
+            lamps: gpu.upload("lamps", &lamps.records)?,
+            points: gpu.upload("points of lights", &lamps.points)?,
             rays: RayBatch::new(gpu, BATCH)?,
             sun_rays: RayBatch::new(gpu, BATCH)?,
             paths: device(
@@ -253,6 +292,8 @@ impl<'a> PathTracer<'a> {
                 Binding::StorageWrite(&self.sun_rays.image),
                 Binding::ReadWrite(&self.paths),
                 Binding::ReadWrite(&self.alive),
+                Binding::Read(&self.lamps),
+                Binding::Read(&self.points),
             ],
             batch,
             [count, 1, 1],

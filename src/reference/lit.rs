@@ -51,6 +51,32 @@ pub fn leaf_scatters(
     vector(rho_d) * (light.abs() / PI) + DVec3::new(r, g, b) * shine
 }
 
+/// From the eye through the middle of a pixel, of length 1 along the direction of view.
+#[must_use]
+pub fn view_of_pixel(frame: &LitFrame, (x, y): (u32, u32)) -> DVec3 {
+    let on_film = |at: u32, of: u32| 2.0 * (f64::from(at) + 0.5) / f64::from(of) - 1.0;
+    vector(frame.forward) + on_film(x, frame.width) * vector(frame.right)
+        - on_film(y, frame.height) * vector(frame.up)
+}
+
+/// Where the surface of a pixel lies; `depth` is reversed, infinitely far at 0.
+#[must_use]
+pub fn position_of_pixel(frame: &LitFrame, at: (u32, u32), depth: f64) -> DVec3 {
+    vector(frame.eye) + f64::from(frame.near) / depth * view_of_pixel(frame, at)
+}
+
+/// Unit vector from the surface of a pixel to the eye, on the side that the sign of `side` tells.
+#[must_use]
+pub fn to_eye_of_pixel(frame: &LitFrame, at: (u32, u32), normal: DVec3, side: f64) -> DVec3 {
+    let to_eye = -view_of_pixel(frame, at).normalize();
+    let facing = normal.dot(to_eye);
+    if facing * side < 0.0 {
+        (to_eye - (1.0 + 1e-3) * facing * normal).normalize()
+    } else {
+        to_eye
+    }
+}
+
 /// Light of pixel (`x`, `y`) with the sun.
 #[must_use]
 pub fn lit_sun(
@@ -59,14 +85,7 @@ pub fn lit_sun(
     pixel: &Pixel,
     (leaf, gloss): (&LeafSides, [f32; 4]),
 ) -> DVec3 {
-    let on_film = |at: u32, of: u32| 2.0 * (f64::from(at) + 0.5) / f64::from(of) - 1.0;
-    let direction = vector(frame.forward) + on_film(x, frame.width) * vector(frame.right)
-        - on_film(y, frame.height) * vector(frame.up);
-    let mut to_eye = -direction.normalize();
-    let facing = pixel.normal.dot(to_eye);
-    if facing * pixel.surface < 0.0 {
-        to_eye = (to_eye - (1.0 + 1e-3) * facing * pixel.normal).normalize();
-    }
+    let to_eye = to_eye_of_pixel(frame, (x, y), pixel.normal, pixel.surface);
     let directions = (vector(frame.sun), to_eye);
     let scattered = leaf_scatters(leaf, gloss, pixel.normal, directions);
     let seen = pixel.surface.abs() - 1.0;

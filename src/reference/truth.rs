@@ -7,9 +7,10 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, Vec3};
 
+use super::lamps::lamp_falloff;
 use super::lit::{leaf_scatters, slope_distribution};
 use super::rays::Triangles;
-use crate::abi::{LeafSides, TruthFrame};
+use crate::abi::{LAMP_REACH, LampRecord, LeafSides, TruthFrame};
 use crate::math::sampling::{cosine_hemisphere, even_numbers, frame, path_key, random};
 
 /// What paths meet and see.
@@ -28,6 +29,10 @@ pub struct Scene<'a> {
     pub materials: &'a [LeafSides],
     /// Specular intensity and roughness of every material.
     pub gloss: &'a [[f32; 4]],
+    /// Lamps.
+    pub lamps: &'a [LampRecord],
+    /// Points of the sun's shape and of the lamps.
+    pub points: &'a [[f32; 3]],
     /// Radiance of the sky from a unit direction.
     pub sky: &'a dyn Fn(DVec3) -> DVec3,
     /// Bounces at most.
@@ -43,9 +48,9 @@ impl std::fmt::Debug for Scene<'_> {
 /// What one path brings to its pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Light {
-    /// Sun on what the camera sees.
+    /// Sun and lamps on what the camera sees.
     pub direct: DVec3,
-    /// Sun over other leaves.
+    /// Sun and lamps over other leaves.
     pub indirect: DVec3,
     /// Sky.
     pub sky: DVec3,
@@ -91,7 +96,7 @@ impl Scene<'_> {
             }
             let met = self.meeting(origin + hit.t * direction, direction, hit.triangle);
             let random = |k: u32| random(key, 8 * bounce + k);
-            let sun = weight * self.sun(&met, [random(0), random(1)]);
+            let sun = weight * self.light(&met, [0, 1, 6, 7].map(random));
             if bounce == 0 {
                 light.covered = 1.0;
                 light.direct = sun;
@@ -146,22 +151,45 @@ impl Scene<'_> {
         met.at + side * met.face
     }
 
-    /// Light of a point of the sun's disc that is scattered back along the path.
-    fn sun(&self, met: &Meeting, [u, v]: [f64; 2]) -> DVec3 {
+    /// Light of a point of the sun or of a lamp that is scattered back along the path.
+    fn light(&self, met: &Meeting, [u, v, which, point]: [f64; 4]) -> DVec3 {
         let f = self.frame;
-        let radius = f64::from(f.sin_radius) * u.sqrt();
-        let (sin, cos) = (2.0 * PI * v).sin_cos();
-        let local = DVec3::new(radius * cos, radius * sin, 1.0);
-        let to_sun = (frame(vector(f.sun)) * local).normalize();
-        let start = self.off(met, to_sun);
-        if self
-            .triangles
-            .nearest(start, to_sun, 1e30, |_| true)
-            .is_some()
-        {
+        let lights = f.suns + f.lamps;
+        let chosen = (which * f64::from(lights)) as u32;
+        let (to, far, irradiance) = if chosen < f.suns {
+            (self.to_sun([u, v]), 1e30, vector(f.irradiance))
+        } else if lights == 0 {
+            return DVec3::ZERO;
+        } else {
+            let lamp = &self.lamps[(chosen - f.suns) as usize];
+            let number = ((point * f64::from(lamp.points)) as u32).min(lamp.points - 1);
+            let to = vector(self.points[(lamp.first_point + number) as usize]) - met.at;
+            let all = f64::from(lamp.points) * lamp_falloff(to, lamp);
+            (to, f64::from(LAMP_REACH), vector(lamp.intensity) * all)
+        };
+        if irradiance == DVec3::ZERO {
+            return irradiance;
+        }
+        let start = self.off(met, to);
+        let ray = if far < 1.0 { met.at + to - start } else { to };
+        if self.triangles.nearest(start, ray, far, |_| true).is_some() {
             return DVec3::ZERO;
         }
-        vector(f.irradiance) * self.scatters(met, to_sun)
+        f64::from(lights) * irradiance * self.scatters(met, to.normalize())
+    }
+
+    fn to_sun(&self, [u, v]: [f64; 2]) -> DVec3 {
+        let f = self.frame;
+        let sin_radius = f64::from(f.sin_radius);
+        let radius = sin_radius * u.sqrt();
+        let (sin, cos) = (2.0 * PI * v).sin_cos();
+        let mut local = DVec3::new(radius * cos, radius * sin, 1.0);
+        if f.sun_points > 0 {
+            let number = ((u * f64::from(f.sun_points)) as u32).min(f.sun_points - 1);
+            let [x, y, _] = self.points[number as usize].map(|c| sin_radius * f64::from(c));
+            local = DVec3::new(x, y, 1.0);
+        }
+        (frame(vector(f.sun)) * local).normalize()
     }
 
     fn scatters(&self, met: &Meeting, to_light: DVec3) -> DVec3 {

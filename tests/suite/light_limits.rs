@@ -316,6 +316,8 @@ fn picture(
     };
     let points = geometry.positions.iter().copied();
     let film = Film {
+        sun_shape: umbrage::leaf::shape::Shape::Disc,
+        lamps: Vec::new(),
         camera: Camera::new(&spec, lens, geometry.origin, points),
         size: [32, 32],
         sun,

@@ -240,6 +240,10 @@ pub enum Lighting {
     Lvc,
     /// The sun with hard shadows and a constant for the rest.
     Ambient,
+    /// The sun by a shadow map (--shadow-size, --shadow-radius) and a constant for the rest.
+    Shadow,
+    /// Sky and light between leaves by transfer, the sun by a shadow map.
+    ShadowPrt,
     /// Path traced.
     Truth,
 }
@@ -272,6 +276,21 @@ pub struct LitArgs {
         allow_hyphen_values = true
     )]
     pub sun_irradiance: Triple,
+    /// An image of the sun in place of an even disc (the square about it): a partial eclipse
+    #[arg(long, value_name = "FILE")]
+    pub sun_shape: Option<PathBuf>,
+    /// A lamp near the scene, several times for several: disc:X,Y,Z/NX,NY,NZ/RADIUS/R,G,B (place,
+    /// direction of its face, metres, irradiance at one metre), quad:../WIDTHxHEIGHT/R,G,B or
+    /// mask:../WIDTHxHEIGHT/R,G,B/FILE (the brighter the image, the more light); for example
+    /// --lamp disc:0,3,1/0,-1,0/0.1/6,5,4
+    #[arg(long, value_name = "LAMP", allow_hyphen_values = true)]
+    pub lamp: Vec<String>,
+    /// Points of each lamp that are looked for from every vertex, 1 to 4096
+    #[arg(long, default_value_t = 16)]
+    pub lamp_samples: u32,
+    /// Points of each lamp whose light a pixel's leaf scatters, 1 to 64; 1 is right for small lamps
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub lamp_points: u32,
     /// Bands of the transfer vectors that are used at most, 1 to 6
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,

@@ -15,11 +15,12 @@ use crate::gpu::Gpu;
 use crate::leaf::environment::{Environment, Sun};
 use crate::leaf::film::{Film, LitScene};
 use crate::leaf::light::{Lighting, Storage, StoredTransfer, exit_radiance};
-use crate::leaf::lit::LitRenderer;
+use crate::leaf::lit::{LitRenderer, VertexLight};
 use crate::leaf::lvc::{Lvc, LvcSettings, SUN_RADIUS_DEGREES};
 use crate::leaf::prt::{Prt, PrtSettings, Transfer};
 use crate::leaf::rays::RayScene;
 use crate::leaf::runs;
+use crate::leaf::shape::Shape;
 use crate::render::RenderSettings;
 use crate::render::plan::human_bytes;
 use crate::scene::{Camera, Lens};
@@ -120,7 +121,9 @@ impl Bench<'_> {
                 radius_degrees: SUN_RADIUS_DEGREES,
                 irradiance: DVec3::splat(3.0),
             },
+            sun_shape: Shape::Disc,
             sky: Environment::Constant(DVec3::splat(0.3)),
+            lamps: Vec::new(),
         }
     }
 
@@ -159,7 +162,13 @@ impl Bench<'_> {
             };
             let coarse = stages.measure("relight", || exit_radiance(transfer, &lighting));
             let radiance = stages.measure("spread", || refined.spread(&coarse, 2));
-            let (_, times) = renderer.draw(&scene, &film, &radiance, &visibility)?;
+            let light = VertexLight {
+                radiance: &radiance,
+                visibility: &visibility,
+                lamps: None,
+                shadow: None,
+            };
+            let (_, times) = renderer.draw(&scene, &film, &light)?;
             if counts {
                 self.passes.add_passes(&times);
             }

@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 
 use super::render::encode;
 use crate::app::cli::RenderArgs;
-use crate::app::cli::light::{Lighting, LitArgs, Triple};
+use crate::app::cli::light::{Lighting, LitArgs};
+use crate::app::film::film;
 use crate::app::lit::LitModel;
 use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::report::Table;
@@ -15,36 +16,38 @@ use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::gpu::Gpu;
-use crate::leaf::environment::{Environment, Panorama, Sun};
 use crate::leaf::film::{Film, LitScene};
+use crate::leaf::lamp_maps::{LampMaps, LampSettings};
+use crate::leaf::lamp_transfer::{self, LampTransfer};
 use crate::leaf::light::{Light, Lighting as Lights, exit_radiance};
 use crate::leaf::light_file;
-use crate::leaf::lit::LitRenderer;
+use crate::leaf::lit::{LitRenderer, VertexLight};
+use crate::leaf::lit_lamps::LampLight;
 use crate::leaf::lod::Lod;
 use crate::leaf::lvc::{Lvc, LvcSettings};
+use crate::leaf::prt::Transfer;
 use crate::leaf::radiance_map::{Difference, RadianceMap};
 use crate::leaf::rays::RayScene;
 use crate::leaf::receivers::Receivers;
 use crate::leaf::refine::Refined;
-use crate::leaf::sky::ClearSky;
+use crate::leaf::shadow_map::ShadowSettings;
+use crate::leaf::shape::Shape;
 use crate::leaf::truth;
-use crate::render::{self, Picture, RenderSettings};
-use crate::scene::float_image::{FloatImage, Transfer};
-use crate::scene::{Camera, Lens};
+use crate::render::{self, Picture};
+use crate::scene::float_image::{FloatImage, Transfer as Numbers};
 use crate::{Error, Result};
 
 /// Background of lit pictures, linear.
 const BEHIND: [f32; 3] = [0.80, 0.82, 0.84];
 /// Share of the leaves that may be brighter than white.
 const WHITE: f64 = 0.995;
-/// Up is +y in every lit model.
-const UP: DVec3 = DVec3::Y;
-
 /// A picture with the name of what lit it.
 struct Drawn {
     name: String,
     lighting: Lighting,
     map: RadianceMap,
+    /// Of the truth: light of sun and lamps on what the camera sees.
+    direct: Option<RadianceMap>,
 }
 
 /// Draws the model under each lighting.
@@ -76,7 +79,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
             &args.lit.optics,
         )
     })?;
-    let film = film(&lit, &args.lit, &settings)?;
+    let film = film(&lit.geometry, &args.lit, &settings)?;
     let light = match &args.lit.light {
         Some(path) => Some(light_file::read(path, &lit.key(), lit.vertices())?),
         None => None,
@@ -92,6 +95,10 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         args: &args.lit,
         lit: &lit,
         film,
+        shadow: ShadowSettings {
+            size: settings.shadow_size,
+            radius: settings.shadow_radius,
+        },
         light,
         renderer: None,
         timings,
@@ -134,96 +141,9 @@ fn sheet(drawn: &[Drawn], exposure: f32) -> Picture {
     }
 }
 
-/// The light that stands for the sun in a light file's or the command's terms.
-fn sun(args: &LitArgs, settings: &RenderSettings) -> Result<Sun> {
-    let towards = match args.sun.sun_direction {
-        Some(Triple(d)) => DVec3::from(d).try_normalize().ok_or_else(|| {
-            Error::usage("--sun-direction: a vector without length has no direction")
-        })?,
-        None => settings.sun.direction(),
-    };
-    let up = towards.dot(UP);
-    if up < 0.0 {
-        log::warn!("the sun stands below the horizon: it lights leaves from below");
-    }
-    let irradiance = DVec3::from(args.sun_irradiance.0);
-    if irradiance.min_element() < 0.0 {
-        return Err(Error::usage("--sun-irradiance: is below 0"));
-    }
-    Ok(Sun {
-        towards,
-        radius_degrees: args.sun.sun_radius,
-        irradiance,
-    })
-}
-
-fn environment(text: &str, sun: &Sun) -> Result<Environment> {
-    let triple = |t: &str| -> Result<DVec3> {
-        let Triple(v) = t
-            .parse()
-            .map_err(|e| Error::usage(format!("--environment {text}: {e}")))?;
-        Ok(DVec3::from(v))
-    };
-    let sky = match text.split_once(':') {
-        Some(("constant", rgb)) => Environment::Constant(triple(rgb)?),
-        Some(("linear", both)) => {
-            let (a, b) = both.split_once('/').ok_or_else(|| {
-                Error::usage(format!("--environment {text}: expected linear:R,G,B/R,G,B"))
-            })?;
-            Environment::Linear {
-                a: triple(a)?,
-                b: triple(b)?,
-                up: UP,
-            }
-        }
-        Some(("clear", turbidity)) => {
-            let t = turbidity.parse().ok();
-            let t = t
-                .filter(|t| ClearSky::TURBIDITY.contains(t))
-                .ok_or_else(|| {
-                    Error::usage(format!(
-                        "--environment {text}: expected clear:TURBIDITY from {} to {}",
-                        ClearSky::TURBIDITY.start(),
-                        ClearSky::TURBIDITY.end()
-                    ))
-                })?;
-            Environment::Clear(ClearSky::new(UP, sun.towards, t))
-        }
-        _ => Environment::Panorama(Panorama::read(Path::new(text), UP)?),
-    };
-    let least = match &sky {
-        Environment::Constant(a) => a.min_element(),
-        // At the zenith or at the nadir.
-        Environment::Linear { a, b, .. } => (*a - b.abs()).min_element(),
-        _ => 0.0,
-    };
-    if least < 0.0 {
-        return Err(Error::usage(format!(
-            "--environment {text}: is below 0 somewhere ({least})"
-        )));
-    }
-    Ok(sky)
-}
-
-fn film(lit: &LitModel, args: &LitArgs, settings: &RenderSettings) -> Result<Film> {
-    let g = &lit.geometry;
-    let lens = Lens {
-        fov: settings.fov,
-        aspect: f64::from(settings.size[0]) / f64::from(settings.size[1]),
-        margin: settings.margin,
-    };
-    let sun = sun(args, settings)?;
-    Ok(Film {
-        camera: Camera::new(
-            &settings.camera,
-            lens,
-            g.origin,
-            g.positions.iter().copied(),
-        ),
-        size: settings.size,
-        sky: environment(&args.environment, &sun)?,
-        sun,
-    })
+/// Whether the sun comes by a shadow map.
+fn shadow_map(lighting: Lighting) -> bool {
+    matches!(lighting, Lighting::Shadow | Lighting::ShadowPrt)
 }
 
 struct Job<'a> {
@@ -235,6 +155,7 @@ struct Job<'a> {
     refined: Refined,
     receivers: Receivers,
     film: Film,
+    shadow: ShadowSettings,
     light: Option<Light>,
     renderer: Option<LitRenderer>,
     timings: Timings,
@@ -266,12 +187,15 @@ impl Job<'_> {
             Lighting::Prt => "prt",
             Lighting::Lvc => "lvc",
             Lighting::Ambient => "ambient",
+            Lighting::Shadow => "shadow",
+            Lighting::ShadowPrt => "shadow-prt",
             Lighting::Truth => "truth",
         };
         let working = console::working(name);
+        let mut direct = None;
         let map = if lighting == Lighting::Truth {
             let samples = self.args.truth_samples;
-            truth::trace(
+            let truth = truth::trace(
                 self.gpu,
                 &self.traced(),
                 &self.film,
@@ -280,18 +204,23 @@ impl Job<'_> {
                     working.step(&format!("path tracing {:.0} %", 100.0 * share));
                     Ok(())
                 },
-            )?
-            .full()
+            )?;
+            let full = truth.full();
+            direct = Some(truth.direct);
+            full
         } else {
             let coarse = self.radiance(lighting)?;
             let radiance = self.refined.spread(&coarse, 2);
             let visibility = self.visibility(lighting)?;
-            self.two_passes(&radiance, &visibility)?
+            let lamps = self.lamp_visibility(lighting)?;
+            let shadow = shadow_map(lighting).then_some(self.shadow);
+            self.two_passes((&radiance, &visibility), &lamps, shadow)?
         };
         Ok(Drawn {
             name: name.to_owned(),
             lighting,
             map,
+            direct,
         })
     }
 
@@ -307,17 +236,32 @@ impl Job<'_> {
         })
     }
 
-    fn two_passes(&mut self, radiance: &[[f32; 3]], visibility: &[f32]) -> Result<RadianceMap> {
+    fn two_passes(
+        &mut self,
+        (radiance, visibility): (&[[f32; 3]], &[f32]),
+        lamps: &[Vec<f32>],
+        shadow: Option<ShadowSettings>,
+    ) -> Result<RadianceMap> {
         let factor = self.args.supersample;
         if self.renderer.is_none() {
             let size = self.film.size.map(|s| factor * s);
             self.renderer = Some(LitRenderer::new(self.gpu, &self.scene(), size)?);
         }
         let renderer = self.renderer.as_ref().expect("just made");
-        let (mut map, times) = renderer.draw(&self.scene(), &self.film, radiance, visibility)?;
+        let light = VertexLight {
+            radiance,
+            visibility,
+            lamps: (!lamps.is_empty()).then_some(LampLight {
+                lamps: &self.film.lamps,
+                visibility: lamps,
+                points: self.args.lamp_points,
+            }),
+            shadow,
+        };
+        let (mut map, times) = renderer.draw(&self.scene(), &self.film, &light)?;
         self.timings.add_passes(&times);
         for _ in 1..self.args.repeat {
-            let again = renderer.draw(&self.scene(), &self.film, radiance, visibility)?;
+            let again = renderer.draw(&self.scene(), &self.film, &light)?;
             self.timings.add_passes(&again.1);
             map = again.0;
         }
@@ -329,7 +273,7 @@ impl Job<'_> {
         let sides = 2 * self.lit.vertices();
         match lighting {
             Lighting::Lvc => return Ok(vec![[0.0; 3]; sides]),
-            Lighting::Ambient => return Ok(self.ambient()),
+            Lighting::Ambient | Lighting::Shadow => return Ok(self.ambient()),
             _ => {}
         }
         let stored = self.light.as_ref().and_then(|l| l.transfer.first());
@@ -357,9 +301,10 @@ impl Job<'_> {
             direct_sun: lighting == Lighting::Prt,
             order: self.args.order as usize,
         };
-        let radiance = self
+        let mut radiance = self
             .timings
             .measure("relight", || exit_radiance(&transfer, &lights));
+        self.add_lamps((&transfer, stored.edge), &mut radiance, lighting);
         if stored.edge == 0.0 {
             return Ok(radiance);
         }
@@ -370,6 +315,55 @@ impl Job<'_> {
             ));
         }
         Ok(self.timings.measure("spread", || lod.spread(&radiance)))
+    }
+
+    /// Light of the lamps over other leaves; for transfer alone, their direct light too.
+    fn add_lamps(
+        &self,
+        (transfer, edge): (&Transfer, f32),
+        radiance: &mut [[f32; 3]],
+        lighting: Lighting,
+    ) {
+        if self.film.lamps.is_empty() {
+            return;
+        }
+        let g = &self.lit.geometry;
+        let place = |v: usize| g.origin + g.positions[v].as_dvec3();
+        let places: Vec<DVec3> = if edge == 0.0 {
+            (0..g.positions.len()).map(place).collect()
+        } else {
+            let coarse = Lod::new(g, edge).coarse;
+            coarse.into_iter().map(|v| place(v as usize)).collect()
+        };
+        let what = LampTransfer {
+            direct: lighting == Lighting::Prt,
+            order: self.args.order as usize,
+            window: self.args.window,
+        };
+        lamp_transfer::add(radiance, transfer, (&places, &self.film.lamps), what);
+    }
+
+    /// The share of each lamp that each vertex sees.
+    fn lamp_visibility(&mut self, lighting: Lighting) -> Result<Vec<Vec<f32>>> {
+        if self.film.lamps.is_empty() || lighting == Lighting::Prt {
+            return Ok(Vec::new());
+        }
+        let settings = LampSettings {
+            // Hard shadows look at the middle of the lamp alone.
+            points: if matches!(lighting, Lighting::Ambient | Lighting::Shadow) {
+                1
+            } else {
+                self.args.lamp_samples
+            },
+            ..LampSettings::default()
+        };
+        let (gpu, lit, receivers, lamps) = (self.gpu, self.lit, &self.receivers, &self.film.lamps);
+        self.timings.measure("lamp maps", || {
+            let scene = RayScene::new(gpu, &lit.occluders)?;
+            let from = (&lit.occluders, lit.geometry.origin);
+            let mut maps = LampMaps::new(gpu, &scene, from, receivers, settings)?;
+            lamps.iter().map(|lamp| maps.map(lamp)).collect()
+        })
     }
 
     /// A constant: the mean of the sky, on leaves that nothing hides.
@@ -388,12 +382,17 @@ impl Job<'_> {
 
     /// The share of the sun's disc that each vertex sees.
     fn visibility(&mut self, lighting: Lighting) -> Result<Vec<f32>> {
-        if lighting == Lighting::Prt {
+        if shadow_map(lighting) || lighting == Lighting::Prt {
             return Ok(vec![0.0; self.receivers.points.len()]);
         }
         let towards = self.film.sun.towards;
         let wanted = self.args.stored || self.args.blended;
         if wanted && lighting != Lighting::Ambient {
+            if self.film.sun_shape != Shape::Disc {
+                return Err(Error::usage(
+                    "--sun-shape: stored maps are those of a disc; leave --stored out",
+                ));
+            }
             let maps = self.light.as_ref().and_then(|l| l.visibility.as_ref());
             let maps = maps
                 .ok_or_else(|| Error::usage("--stored: needs --light FILE with visibility maps"))?;
@@ -415,9 +414,12 @@ impl Job<'_> {
             ..LvcSettings::default()
         };
         let (gpu, lit, receivers) = (self.gpu, self.lit, &self.receivers);
+        let shape = &self.film.sun_shape;
         let bytes = self.timings.measure("sun map", || {
             let scene = RayScene::new(gpu, &lit.occluders)?;
-            Lvc::new(gpu, &scene, receivers, settings)?.maps(&[towards.as_vec3().to_array()])
+            Lvc::new(gpu, &scene, receivers, settings)?
+                .shaped(shape)?
+                .maps(&[towards.as_vec3().to_array()])
         })?;
         Ok(bytes.iter().map(|&b| f32::from(b) / 255.0).collect())
     }
@@ -429,7 +431,12 @@ fn errors(drawn: &[Drawn], reference: Option<&Path>) -> Result<Vec<(String, Diff
     let truth = drawn.iter().find(|d| d.lighting == Lighting::Truth);
     if let Some(truth) = truth {
         for d in drawn.iter().filter(|d| d.lighting != Lighting::Truth) {
-            out.push((d.name.clone(), d.map.difference(&truth.map)?));
+            // The sun's part alone against its part of the truth.
+            let part = match (&truth.direct, d.lighting) {
+                (Some(direct), Lighting::Lvc) => direct,
+                _ => &truth.map,
+            };
+            out.push((d.name.clone(), d.map.difference(part)?));
         }
     }
     if let Some(prefix) = reference {
@@ -458,7 +465,7 @@ fn reference_path(prefix: &Path, lighting: Lighting) -> PathBuf {
 /// A picture of linear light.
 fn read_map(path: &Path) -> Result<RadianceMap> {
     let bytes = std::fs::read(path).map_err(|e| Error::file(path, e))?;
-    let image = FloatImage::decode(&path.to_string_lossy(), &bytes, Transfer::Srgb)?;
+    let image = FloatImage::decode(&path.to_string_lossy(), &bytes, Numbers::Srgb)?;
     let pixels = image.pixels.iter().map(|p| [p[0], p[1], p[2], 1.0]);
     Ok(RadianceMap {
         width: image.width as usize,

@@ -115,10 +115,10 @@ fn cards() -> Model {
 }
 
 /// What a case traces, on both sides.
-struct Setting {
-    geometry: Geometry,
-    occluders: Occluders,
-    triangles: Triangles,
+pub(super) struct Setting {
+    pub(super) geometry: Geometry,
+    pub(super) occluders: Occluders,
+    pub(super) triangles: Triangles,
     rays: Vec<Ray>,
 }
 
@@ -312,7 +312,7 @@ fn watertight(gpu: &Gpu) -> Result<Outcome> {
 }
 
 /// Three leaves over each other, of two materials in turn.
-fn leaves() -> (Setting, Receivers) {
+pub(super) fn leaves() -> (Setting, Receivers) {
     let mut primitive = Primitive::default();
     for i in 0..3 {
         let first = primitive.positions.len() as u32;

@@ -1,6 +1,6 @@
 //! The second pass of lit pictures.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::{Case, Outcome};
 use crate::Result;
@@ -11,28 +11,26 @@ use crate::math::sampling::{fibonacci_sphere, uniform};
 use crate::reference::lit::{Pixel, lit_sun};
 
 /// Pixels along an edge.
-const SIZE: u32 = 12;
+pub(super) const SIZE: u32 = 12;
 
-pub(super) fn cases() -> Vec<Case> {
-    vec![Case {
-        name: "light.lit_sun",
-        run,
-    }]
-}
+/// A camera and a sun.
+pub(super) const FRAME: LitFrame = LitFrame {
+    relative_to_clip: [[0.0; 4]; 4],
+    forward: [0.0, 0.0, -1.0],
+    width: SIZE,
+    right: [0.4, 0.0, 0.0],
+    height: SIZE,
+    up: [0.0, 0.3, 0.0],
+    near: 0.1,
+    eye: [0.1, 0.2, 1.5],
+    // A unit vector: (0.3, 0.8, 0.5) over its length.
+    sun: [0.303_045_76, 0.808_122_04, 0.505_076_3],
+    irradiance: [3.0, 2.8, 2.5],
+};
 
-/// Random surfaces under one sun, dull and glossy, seen from either side.
-fn run(gpu: &Gpu) -> Result<Outcome> {
-    let frame = LitFrame {
-        relative_to_clip: [[0.0; 4]; 4],
-        forward: [0.0, 0.0, -1.0],
-        width: SIZE,
-        right: [0.4, 0.0, 0.0],
-        height: SIZE,
-        up: [0.0, 0.3, 0.0],
-        sun: Vec3::new(0.3, 0.8, 0.5).normalize().to_array(),
-        irradiance: [3.0, 2.8, 2.5],
-    };
-    let leaves = [
+/// Two materials and their gloss.
+pub(super) const LEAVES: ([LeafSides; 2], [[f32; 4]; 2]) = (
+    [
         LeafSides {
             rho_d_front: [0.1, 0.2, 0.05],
             rho_d_back: [0.2, 0.3, 0.1],
@@ -43,8 +41,20 @@ fn run(gpu: &Gpu) -> Result<Outcome> {
             rho_d_back: [0.3, 0.4, 0.5],
             rho_t: [0.2, 0.1, 0.3],
         },
-    ];
-    let gloss = [[0.0, 0.0, 0.0, 0.3], [0.05, 0.04, 0.06, 0.15]];
+    ],
+    [[0.0, 0.0, 0.0, 0.3], [0.05, 0.04, 0.06, 0.15]],
+);
+
+pub(super) fn cases() -> Vec<Case> {
+    vec![Case {
+        name: "light.lit_sun",
+        run,
+    }]
+}
+
+/// Random surfaces under one sun, dull and glossy, seen from either side.
+fn run(gpu: &Gpu) -> Result<Outcome> {
+    let (frame, (leaves, gloss)) = (FRAME, LEAVES);
     let count = SIZE * SIZE;
     let (mut light, mut surface, mut material) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..count {
@@ -99,15 +109,7 @@ fn draw(
     let leaves = gpu.upload("leaf sides", leaves)?;
     let gloss = gpu.upload("gloss", gloss)?;
     let sampler = gpu.sampler(&SamplerInfo::default())?;
-    let texture = |texels: &[[f32; 4]]| -> Result<Image> {
-        let info = ImageInfo::texture("lit map", Format::Rgba32Float, [SIZE; 2], 1);
-        let image = gpu.image(info)?;
-        let mut work = gpu.work(QueueKind::Transfer, "lit map")?;
-        work.upload_image("lit map", &image, &[bytemuck::cast_slice(texels)])?;
-        work.submit()?.wait()?;
-        Ok(image)
-    };
-    let [light, surface, material] = [texture(maps[0])?, texture(maps[1])?, texture(maps[2])?];
+    let [light, surface, material] = [map(gpu, maps[0])?, map(gpu, maps[1])?, map(gpu, maps[2])?];
     let info = ImageInfo::storage("lit picture", Format::Rgba32Float, [SIZE; 2]);
     let picture = gpu.image(info)?;
     let kernel = gpu.compute_pipeline(shaders::LIT_SUN_COMP)?;
@@ -130,4 +132,14 @@ fn draw(
     let read = work.read_image("lit picture", &picture)?;
     let mut done = work.submit()?.wait()?;
     Ok(bytemuck::pod_collect_to_vec(&done.take(read)))
+}
+
+/// An image of one value a pixel.
+pub(super) fn map(gpu: &Gpu, texels: &[[f32; 4]]) -> Result<Image> {
+    let info = ImageInfo::texture("lit map", Format::Rgba32Float, [SIZE; 2], 1);
+    let image = gpu.image(info)?;
+    let mut work = gpu.work(QueueKind::Transfer, "lit map")?;
+    work.upload_image("lit map", &image, &[bytemuck::cast_slice(texels)])?;
+    work.submit()?.wait()?;
+    Ok(image)
 }

@@ -9,9 +9,11 @@ mod foliage_ends;
 mod foliage_subset;
 mod foliage_surface;
 mod gpu;
+mod lamps;
 mod leaf;
 mod light;
 mod lit;
+mod lit_shadow;
 mod render;
 mod skylight;
 mod truth;
@@ -95,5 +97,7 @@ pub fn cases() -> Vec<Case> {
     cases.extend(light::cases());
     cases.extend(lit::cases());
     cases.extend(truth::cases());
+    cases.extend(lit_shadow::cases());
+    cases.extend(lamps::cases());
     cases
 }

@@ -8,9 +8,11 @@ use crate::Result;
 use crate::gpu::Gpu;
 use crate::leaf::environment::{Environment, Sun};
 use crate::leaf::film::{Film, LitScene};
+use crate::leaf::lamp::Lamp;
 use crate::leaf::optics::Optics;
 use crate::leaf::rays::Occluders;
 use crate::leaf::receivers::Receivers;
+use crate::leaf::shape::Shape;
 use crate::leaf::truth;
 use crate::reference::rays::Triangles;
 use crate::reference::truth::{Light, Scene};
@@ -25,8 +27,9 @@ const SAME: f64 = 1e-3;
 pub(super) fn cases() -> Vec<Case> {
     let case = |name, run| Case { name, run };
     vec![
-        case("light.truth.diffuse", |gpu| run(gpu, 0.0)),
-        case("light.truth.glossy", |gpu| run(gpu, 0.06)),
+        case("light.truth.diffuse", |gpu| run(gpu, 0.0, &[])),
+        case("light.truth.glossy", |gpu| run(gpu, 0.06, &[])),
+        case("light.truth.lamps", |gpu| run(gpu, 0.06, &lamps())),
     ]
 }
 
@@ -49,7 +52,7 @@ fn leaves() -> Geometry {
 }
 
 /// One path through every pixel, each against its own twin.
-fn run(gpu: &Gpu, shine: f32) -> Result<Outcome> {
+fn run(gpu: &Gpu, shine: f32, lamps: &[Lamp]) -> Result<Outcome> {
     let geometry = leaves();
     let occluders = Occluders::solid(&geometry);
     let optics = [Optics {
@@ -67,7 +70,13 @@ fn run(gpu: &Gpu, shine: f32) -> Result<Outcome> {
         receivers: &receivers,
         optics: &optics,
     };
-    let film = film(&geometry);
+    let mut film = film(&geometry);
+    film.lamps = lamps.to_vec();
+    if let Some(lamp) = lamps.first() {
+        // With lamps the sun has a shape too.
+        film.sun_shape = lamp.shape.clone();
+    }
+    let lights = truth::lights(&scene, &film);
     let found = truth::trace(gpu, &scene, &film, (1, 7), &mut |_| Ok(()))?;
     let triangles = Triangles::new(&occluders.positions, &occluders.indices);
     let twin = Scene {
@@ -78,6 +87,8 @@ fn run(gpu: &Gpu, shine: f32) -> Result<Outcome> {
         normals: &geometry.normals,
         materials: &receivers.materials,
         gloss: &[[shine, shine, shine, 0.3]],
+        lamps: &lights.records,
+        points: &lights.points,
         sky: &|d| film.sky.radiance(d),
         bounces: truth::BOUNCES,
     };
@@ -108,6 +119,21 @@ fn run(gpu: &Gpu, shine: f32) -> Result<Outcome> {
     ))
 }
 
+/// A quad and a disc, above and among the leaves.
+fn lamps() -> Vec<Lamp> {
+    let lamp = |shape, position: [f64; 3], normal: DVec3| Lamp {
+        position: position.into(),
+        normal,
+        half: [0.3, 0.2],
+        shape,
+        intensity: DVec3::new(2.0, 1.5, 1.0),
+    };
+    vec![
+        lamp(Shape::Square, [0.5, 2.0, 0.4], DVec3::NEG_Y),
+        lamp(Shape::Disc, [0.6, 0.1, 0.3], DVec3::Y),
+    ]
+}
+
 fn film(geometry: &Geometry) -> Film {
     let lens = Lens {
         fov: 40.0,
@@ -132,6 +158,8 @@ fn film(geometry: &Geometry) -> Film {
             radius_degrees: 3.0,
             irradiance: DVec3::new(3.0, 2.8, 2.5),
         },
+        sun_shape: Shape::Disc,
+        lamps: Vec::new(),
         sky: Environment::Linear {
             a: DVec3::new(0.24, 0.27, 0.3),
             b: DVec3::new(0.12, 0.13, 0.15),
