@@ -246,6 +246,8 @@ fn the_sun_may_have_a_shape() {
         "48x48",
         "--sun-shape",
         &half,
+        "--reflectance",
+        "0.2",
     ];
     let report = place.json(
         &[

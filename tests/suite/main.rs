@@ -35,6 +35,7 @@ mod light_limits;
 mod light_picture;
 mod light_rays;
 mod light_resume;
+mod light_sheet;
 mod light_transfer;
 mod model_fixture;
 mod models;

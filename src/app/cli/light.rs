@@ -319,6 +319,16 @@ pub struct LitArgs {
     /// Factor on the light, 1e-9 to 1e9 [default: the brightest leaves are white]
     #[arg(long, value_parser = real32(1e-9, 1e9), allow_hyphen_values = true)]
     pub light_exposure: Option<f32>,
+    /// Adds a row of differences: red where too bright, blue where too dark; to --reference, the truth
+    /// or the last picture. At full colour they are this share of the reference's mean
+    #[arg(
+        long,
+        value_name = "SHARE",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "0.5"
+    )]
+    pub difference: Option<f32>,
     /// Compares with pictures of linear light, `PREFIX_full.exr` and `PREFIX_sun_direct.exr`
     #[arg(long, value_name = "PREFIX")]
     pub reference: Option<PathBuf>,

@@ -9,6 +9,7 @@ pub mod grow;
 pub mod info;
 pub mod leaf;
 pub mod light;
+mod lit_sheet;
 pub mod render;
 pub mod render_lit;
 pub mod settings;

@@ -1,10 +1,9 @@
 //! `umbrage render --lighting`: leaves under sun and sky.
 
-use std::path::{Path, PathBuf};
-
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use super::lit_sheet::{Compared, Drawn, compare, reference_path, sheet};
 use super::render::encode;
 use crate::app::cli::RenderArgs;
 use crate::app::cli::light::{Lighting, LitArgs};
@@ -26,29 +25,15 @@ use crate::leaf::lit_lamps::LampLight;
 use crate::leaf::lod::Lod;
 use crate::leaf::lvc::{Lvc, LvcSettings};
 use crate::leaf::prt::Transfer;
-use crate::leaf::radiance_map::{Difference, RadianceMap};
+use crate::leaf::radiance_map::RadianceMap;
 use crate::leaf::rays::RayScene;
 use crate::leaf::receivers::Receivers;
 use crate::leaf::refine::Refined;
 use crate::leaf::shadow_map::ShadowSettings;
 use crate::leaf::shape::Shape;
 use crate::leaf::truth;
-use crate::render::{self, Picture};
-use crate::scene::float_image::{FloatImage, Transfer as Numbers};
+use crate::render::Picture;
 use crate::{Error, Result};
-
-/// Background of lit pictures, linear.
-const BEHIND: [f32; 3] = [0.80, 0.82, 0.84];
-/// Share of the leaves that may be brighter than white.
-const WHITE: f64 = 0.995;
-/// A picture with the name of what lit it.
-struct Drawn {
-    name: String,
-    lighting: Lighting,
-    map: RadianceMap,
-    /// Of the truth: light of sun and lamps on what the camera sees.
-    direct: Option<RadianceMap>,
-}
 
 /// Draws the model under each lighting.
 ///
@@ -107,16 +92,8 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     for &lighting in &args.lit.lighting {
         drawn.push(job.draw(lighting)?);
     }
-    let exposure = args.lit.light_exposure.unwrap_or_else(|| {
-        let brightest = drawn
-            .iter()
-            .map(|d| d.map.quantile(WHITE))
-            .fold(0.0, f32::max);
-        0.95 / brightest.max(1e-9)
-    });
-    let picture = sheet(&drawn, exposure);
-    output_picture(output, &picture)?;
-    let table = errors(&drawn, args.lit.reference.as_deref())?;
+    let table = compare(&drawn, &args.lit)?;
+    output_picture(output, &sheet(&drawn, &table, &args.lit))?;
     let bytes = job.bytes();
     Ok(report(context, args, &table, &job.timings, &bytes))
 }
@@ -124,21 +101,6 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
 fn output_picture(output: PendingFile, picture: &Picture) -> Result<()> {
     let bytes = encode(picture, output.path())?;
     output.commit(&bytes)
-}
-
-fn sheet(drawn: &[Drawn], exposure: f32) -> Picture {
-    let picture = |d: &Drawn| Picture {
-        width: d.map.width as u32,
-        height: d.map.height as u32,
-        rgba: d.map.to_rgba8(exposure, BEHIND),
-    };
-    match drawn {
-        [one] => picture(one),
-        _ => {
-            let all: Vec<_> = drawn.iter().map(|d| (d.name.clone(), picture(d))).collect();
-            render::sheet(&all, all.len())
-        }
-    }
 }
 
 /// Whether the sun comes by a shadow map.
@@ -425,59 +387,10 @@ impl Job<'_> {
     }
 }
 
-/// Errors of each picture against the truth among them, or against pictures of a file.
-fn errors(drawn: &[Drawn], reference: Option<&Path>) -> Result<Vec<(String, Difference)>> {
-    let mut out = Vec::new();
-    let truth = drawn.iter().find(|d| d.lighting == Lighting::Truth);
-    if let Some(truth) = truth {
-        for d in drawn.iter().filter(|d| d.lighting != Lighting::Truth) {
-            // The sun's part alone against its part of the truth.
-            let part = match (&truth.direct, d.lighting) {
-                (Some(direct), Lighting::Lvc) => direct,
-                _ => &truth.map,
-            };
-            out.push((d.name.clone(), d.map.difference(part)?));
-        }
-    }
-    if let Some(prefix) = reference {
-        for d in drawn {
-            let path = reference_path(prefix, d.lighting);
-            let map = read_map(&path)?;
-            let difference = d.map.difference(&map).map_err(|e| Error::file(&path, e))?;
-            let name = path.file_stem().unwrap_or_default().to_string_lossy();
-            out.push((format!("{} to {name}", d.name), difference));
-        }
-    }
-    Ok(out)
-}
-
-/// The picture that one lighting is compared with.
-fn reference_path(prefix: &Path, lighting: Lighting) -> PathBuf {
-    let part = if lighting == Lighting::Lvc {
-        "sun_direct"
-    } else {
-        "full"
-    };
-    let name = prefix.file_name().unwrap_or_default().to_string_lossy();
-    prefix.with_file_name(format!("{name}_{part}.exr"))
-}
-
-/// A picture of linear light.
-fn read_map(path: &Path) -> Result<RadianceMap> {
-    let bytes = std::fs::read(path).map_err(|e| Error::file(path, e))?;
-    let image = FloatImage::decode(&path.to_string_lossy(), &bytes, Numbers::Srgb)?;
-    let pixels = image.pixels.iter().map(|p| [p[0], p[1], p[2], 1.0]);
-    Ok(RadianceMap {
-        width: image.width as usize,
-        height: image.height as usize,
-        pixels: pixels.collect(),
-    })
-}
-
 fn report(
     context: &Context,
     args: &RenderArgs,
-    errors: &[(String, Difference)],
+    errors: &[Compared],
     timings: &Timings,
     bytes: &Value,
 ) -> Report {
@@ -485,7 +398,12 @@ fn report(
     if !errors.is_empty() {
         let mut table = Table::new(&["lighting", "bias %", "RMSE %", "blocks %", "p99 %"]);
         let percent = |v: f64| format!("{:.2}", 100.0 * v);
-        for (name, d) in errors {
+        for Compared {
+            name,
+            difference: d,
+            ..
+        } in errors
+        {
             let cells = [d.bias, d.rmse, d.block_rmse, d.p99].map(percent);
             table.row(&[name, &cells[0], &cells[1], &cells[2], &cells[3]]);
         }
@@ -496,12 +414,18 @@ fn report(
     }
     let rows: Vec<Value> = errors
         .iter()
-        .map(|(name, d)| {
-            json!({
-                "lighting": name, "mean": d.mean, "bias": d.bias, "rmse": d.rmse,
-                "block_rmse": d.block_rmse, "p99": d.p99, "coverage": d.coverage,
-            })
-        })
+        .map(
+            |Compared {
+                 name,
+                 difference: d,
+                 ..
+             }| {
+                json!({
+                    "lighting": name, "mean": d.mean, "bias": d.bias, "rmse": d.rmse,
+                    "block_rmse": d.block_rmse, "p99": d.p99, "coverage": d.coverage,
+                })
+            },
+        )
         .collect();
     let json =
         json!({ "output": args.output, "errors": rows, "times": timings.json(), "bytes": bytes });
