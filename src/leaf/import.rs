@@ -103,9 +103,9 @@ impl Said {
         let mean = base
             .as_ref()
             .map_or([1.0; 3], |image| mean_colour(image, mask.as_deref()));
-        let diffuse = 1.0 - f64::from(material.metallic.clamp(0.0, 1.0));
+        // Metalness is passed over: glTF's default is metal, and leaves that do not say are none.
         let colour: [f64; 3] =
-            std::array::from_fn(|c| diffuse * f64::from(material.base_color[c].max(0.0)) * mean[c]);
+            std::array::from_fn(|c| f64::from(material.base_color[c].max(0.0)) * mean[c]);
         let mut out = Self {
             base,
             mask,
@@ -125,7 +125,7 @@ impl Said {
         let share = texture(&d.texture)?.map_or(1.0, |image| mean_alpha(&image));
         let f = (f64::from(d.factor) * share).clamp(0.0, 1.0);
         out.rho_d = colour.map(|v| (1.0 - f) * v);
-        out.rho_t = Some([0, 1, 2].map(|c| diffuse * f * f64::from(d.color[c].max(0.0)) * tint[c]));
+        out.rho_t = Some([0, 1, 2].map(|c| f * f64::from(d.color[c].max(0.0)) * tint[c]));
         Ok(out)
     }
 }

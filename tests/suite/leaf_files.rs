@@ -278,6 +278,69 @@ fn materials_become_leaves() {
     assert!((0..3).all(|c| o.rho_d[c] + o.rho_t[c] < 0.96), "{o:?}");
 }
 
+/// What `light` makes of a material is what `leaf` does: `(1 - f) base` and `f tint`, as
+/// KHR_materials_diffuse_transmission defines them, over what is visible of the texture.
+#[test]
+fn light_and_leaf_read_materials_alike() {
+    use umbrage::leaf::optics::Optics;
+    use umbrage::scene::{AlphaMode, ImageSource, Texture, TextureRef};
+    let mut model = Model::default();
+    // A green half that is seen and a red one that is not; then a grey tint.
+    for texels in [[[60, 180, 30, 255], [250, 0, 0, 10]], [[188; 4], [188; 4]]] {
+        model.images.push(ImageSource::Rgba8 {
+            name: "half".into(),
+            width: 2,
+            height: 1,
+            pixels: texels.concat().into(),
+        });
+        model.textures.push(Texture {
+            image: model.images.len() - 1,
+            ..Texture::default()
+        });
+    }
+    let mut material = Material {
+        name: "leaf".into(),
+        base_color: [0.9, 0.8, 0.7, 1.0],
+        base_color_texture: Some(TextureRef::new(0)),
+        alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
+        metallic: 1.0,
+        diffuse_transmission: Some(DiffuseTransmission {
+            factor: 0.3,
+            texture: None,
+            color: [0.5, 0.9, 0.2],
+            color_texture: Some(TextureRef::new(1)),
+        }),
+        ..Material::default()
+    };
+    let linear = umbrage::math::colour::srgb8_to_linear;
+    let light = Optics::of_material(&model, &material).unwrap();
+    let leaf = leaf_of_material(&model, &material).unwrap();
+    let leaf = leaf.optics(Face::Upper);
+    for c in 0..3 {
+        let base = [0.9, 0.8, 0.7][c] * linear([60, 180, 30][c]);
+        let rho_d = 0.7 * base;
+        let rho_t = 0.3 * [0.5, 0.9, 0.2][c] * linear(188);
+        assert!(
+            (light.rho_d_front[c] - rho_d).abs() < 1e-5,
+            "{c}: {light:?}"
+        );
+        assert!((light.rho_d_back[c] - rho_d).abs() < 1e-5, "{c}: {light:?}");
+        assert!((light.rho_t[c] - rho_t).abs() < 1e-5, "{c}: {light:?}");
+        // The leaf is a slab that is inverted by a table.
+        assert!(
+            (leaf.rho_d[c] - rho_d).abs() < 2e-3,
+            "{c}: {leaf:?} {rho_d}"
+        );
+        assert!(
+            (leaf.rho_t[c] - rho_t).abs() < 2e-3,
+            "{c}: {leaf:?} {rho_t}"
+        );
+    }
+    material.diffuse_transmission = None;
+    let light = Optics::of_material(&model, &material).unwrap();
+    assert_eq!(light.rho_t, [0.0; 3], "nothing is told");
+}
+
 /// A leaf as a glTF material, and that material as a leaf: the same colours from both sides.
 #[test]
 fn leaves_become_materials_and_leaves_again() {

@@ -153,7 +153,7 @@ pub struct EditArgs {
     /// Roughness m of the gloss, kept in 0.001 to 1, or a factor on it
     #[arg(long, value_name = "M|FACTORx", allow_hyphen_values = true)]
     pub roughness: Option<Change>,
-    /// Constant A and B (paper), or from the table (exact)
+    /// Where A and B come from: paper (constants of the leaf) or exact (the table)
     #[arg(long)]
     pub mode: Option<Mode>,
     /// Change only one side
@@ -248,7 +248,7 @@ pub struct FitArgs {
     /// Surface reflection that the reflectance contains, 0 to 0.5 (0.035 from an integrating sphere)
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = real32(0.0, 0.5), allow_hyphen_values = true)]
     pub surface: f32,
-    /// Fit by the paper's closed forms with constant A and B, or from the table
+    /// How it is fitted: paper (closed forms with constant A and B) or exact (the table)
     #[arg(long, default_value = "exact")]
     pub mode: Mode,
     /// Leaf file to write (.toml, its maps beside it)

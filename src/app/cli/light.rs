@@ -168,7 +168,7 @@ pub struct LightArgs {
     /// For which directions of the sun visibility is computed
     #[arg(long, default_value = "day")]
     pub directions: SunDirections,
-    /// Texels along an edge of the cube
+    /// Texels along an edge of the cube, 1 to 256
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub cube_side: u32,
     /// Latitude of the day, degrees, -90 to 90

@@ -165,9 +165,12 @@ impl Job {
         let bytes = transfer + maps;
         if bytes > args.max_bytes {
             return Err(Error::Unsupported(format!(
-                "{}: the light takes {} in memory, --max-bytes allows {}; try fewer directions",
+                "{}: the light takes {} in memory ({} of transfer, {} of maps), --max-bytes allows \
+                 {}; try --lod, fewer directions or less of --splits",
                 args.input.input,
                 human_bytes(bytes),
+                human_bytes(transfer),
+                human_bytes(maps),
                 human_bytes(args.max_bytes)
             )));
         }
