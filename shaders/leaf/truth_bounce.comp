@@ -12,6 +12,7 @@
 // the sun or a lamp (a second ray each) and go on.
 
 layout(local_size_x = GROUP_1D) in;
+layout(constant_id = 7) const uint DIRECTIONAL = 0;
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { TruthFrame frame; };
 layout(set = 0, binding = 1, scalar) restrict readonly buffer Hits { uvec2 hits[]; };
 layout(set = 0, binding = 2, scalar) restrict readonly buffer Faces { vec4 faces[]; };
@@ -29,7 +30,10 @@ layout(set = 0, binding = 12, scalar) restrict buffer Alive { uint alive_count; 
 layout(set = 0, binding = 13, scalar) restrict readonly buffer Lamps { LampRecord lamps[]; };
 // Of the sun's shape, in units of its radius; then of the lamps.
 layout(set = 0, binding = 14, scalar) restrict readonly buffer Points { vec3 points[]; };
+layout(set = 0, binding = 15, scalar) restrict readonly buffer Turns { LeafTurn turns[]; };
 layout(push_constant, scalar) uniform Push { TruthBatch push; };
+
+#include "leaf_directional.glsl"
 
 vec3 sky_radiance(vec3 d) {
     float turn = atan(d.z, d.x) / (2.0 * LEAF_PI);
@@ -121,7 +125,8 @@ void main() {
     vec4 face = faces[hit.y];
     vec3 at = origin + uintBitsToFloat(hit.x) * direction;
     vec3 normal = shading_normal(hit.y, at, face.xyz);
-    LeafSides leaf = materials[floatBitsToUint(face.w)];
+    uint material = floatBitsToUint(face.w);
+    LeafSides leaf = materials[material];
     vec4 shine = gloss[floatBitsToUint(face.w)];
     vec3 to_eye = -direction;
     bool front = dot(normal, to_eye) > 0.0;
@@ -133,7 +138,8 @@ void main() {
     imageStore(sun_rays, texel, vec4(at + start, light.reach));
     imageStore(sun_rays, texel + ivec2(1, 0), vec4(to_light, 0.0));
     vec3 towards = normalize(light.to);
-    paths[path].pending = state.weight * light.irradiance * leaf_scatters(leaf, shine, normal, towards, to_eye);
+    LeafSides lit = leaf_for_light(leaf, material, dot(normal, towards));
+    paths[path].pending = state.weight * light.irradiance * leaf_scatters(lit, shine, normal, towards, to_eye);
     if (push.bounce == 0u) {
         paths[path].covered = 1.0;
     }
@@ -161,7 +167,7 @@ void main() {
         density += lobes.z * slope_distribution(cos_h, shine.w) * cos_h / (4.0 * max(abs(dot(middle, next)), 1e-6));
     }
     bool ends = !(total > 0.0) || !(density > 0.0) || random(key, counter + 5u) >= survives;
-    vec3 value = leaf_scatters(leaf, shine, normal, next, to_eye);
+    vec3 value = leaf_scatters(leaf_for_light(leaf, material, dot(normal, next)), shine, normal, next, to_eye);
     paths[path].weight = ends ? vec3(0.0) : state.weight * value * (total / (density * survives));
     paths[path].alive = ends ? PATH_ENDED : PATH_ALIVE;
     float side = dot(face.xyz, next) < 0.0 ? -frame.offset : frame.offset;

@@ -27,6 +27,8 @@ abi! {
         GLOSSY_MIN_COSINE: f32 = 1e-3;
         /// Smallest roughness m of the glossy term.
         GLOSSY_MIN_ROUGHNESS: f32 = 1e-3;
+        /// Cosines at which the factors of oblique light are kept.
+        LEAF_TURN_NODES: u32 = 33;
     }
     structs {
         /// Push constants of `leaf/albedo.comp`: one side of a leaf.
@@ -43,6 +45,18 @@ abi! {
             mode: u32,
             /// Texels.
             count: u32,
+        }
+
+        /// Factors on what a leaf makes of straight light, for light at one angle.
+        LeafTurn {
+            /// Reflectance of the front.
+            front: [f32; 3],
+            /// Reflectance of the back.
+            back: [f32; 3],
+            /// Transmittance of light that falls on the front.
+            down: [f32; 3],
+            /// Transmittance of light that falls on the back.
+            up: [f32; 3],
         }
 
         /// Push constants of `leaf/glossy.comp`.

@@ -7,14 +7,19 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::cli::light::OpticsArgs;
 use super::input::{Input, Source};
 use crate::foliage::Split;
+use crate::leaf::LeafMaterial;
 use crate::leaf::import::USUAL_TRANSMISSION;
 use crate::leaf::light::{ModelKey, model_key, optics_key};
 use crate::leaf::optics::Optics;
 use crate::leaf::rays::Occluders;
 use crate::leaf::receivers::Receivers;
 use crate::leaf::refine::Refined;
+use crate::leaf::wear::cut_out;
 use crate::scene::{Geometry, Model};
 use crate::{Error, Result};
+
+/// The leaf that each material wears, where it has maps.
+pub type Worn = Vec<Option<Arc<LeafMaterial>>>;
 
 /// A model, ready to be lit.
 #[derive(Debug)]
@@ -29,6 +34,8 @@ pub struct LitModel {
     pub receivers: Receivers,
     /// What each material makes of light.
     pub optics: Vec<Optics>,
+    /// The leaf that a material wears, where it has maps.
+    pub leaves: Worn,
 }
 
 impl LitModel {
@@ -59,7 +66,8 @@ impl LitModel {
         if geometry.indices.is_empty() {
             return Err(Error::usage(format!("{source}: has no triangles to light")));
         }
-        let optics = optics(&model, &geometry, pattern, args)?;
+        let (optics, leaves) = optics(&model, &geometry, pattern, args)?;
+        let model = cut_out(model, &leaves);
         let occluders = Occluders::new(&model, &geometry)?;
         let receivers = Receivers::new(&geometry, &occluders, &optics);
         Ok(Self {
@@ -68,6 +76,7 @@ impl LitModel {
             occluders,
             receivers,
             optics,
+            leaves,
         })
     }
 
@@ -98,13 +107,14 @@ impl LitModel {
     }
 }
 
-/// Optics of every material: those of leaves may be told on the command line.
+/// Optics of every material, and the leaves that they wear: those of leaves may be told on the
+/// command line.
 fn optics(
     model: &Model,
     geometry: &Geometry,
     pattern: Option<&str>,
     args: &OpticsArgs,
-) -> Result<Vec<Optics>> {
+) -> Result<(Vec<Optics>, Worn)> {
     let mut leaf = vec![false; model.materials.len()];
     let mut used = leaf.clone();
     // A model without foliage by name is leaves all over.
@@ -117,7 +127,7 @@ fn optics(
         leaf[part.material] |= is_leaf;
         used[part.material] = true;
     }
-    let named = args.leaf()?;
+    let named = args.leaf()?.map(Arc::new);
     let one = |((material, leaf), used): ((&crate::scene::Material, bool), bool)| {
         let mut optics = Optics::of_material(model, material)?;
         if leaf {
@@ -140,6 +150,12 @@ fn optics(
         }
         Ok(optics)
     };
+    // Numbers that are told replace those of the maps.
+    let mapped = named.clone().filter(|l| l.size().is_some() && !args.told());
+    let worn = leaf
+        .iter()
+        .map(|&is| mapped.clone().filter(|_| is))
+        .collect();
     let materials = model.materials.iter().zip(leaf).zip(used);
-    materials.map(one).collect()
+    Ok((materials.map(one).collect::<Result<_>>()?, worn))
 }

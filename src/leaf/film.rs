@@ -9,6 +9,7 @@ use super::rays::Occluders;
 use super::receivers::Receivers;
 use super::shape::Shape;
 use crate::Result;
+use crate::abi::LeafTurn;
 use crate::gpu::{Buffer, Format, Gpu, Image, ImageInfo, QueueKind};
 use crate::scene::{Camera, Geometry, Model};
 
@@ -64,6 +65,17 @@ pub(super) fn gloss(gpu: &Gpu, optics: &[Optics]) -> Result<Buffer> {
         })
         .collect();
     gpu.upload("gloss", &rows)
+}
+
+/// Factors of oblique light, and the constant that says whether there are any.
+pub(super) fn turns(gpu: &Gpu, receivers: &Receivers) -> Result<(Buffer, [(u32, u32); 1])> {
+    let directional = !receivers.turns.is_empty();
+    let buffer = if directional {
+        gpu.upload("oblique light", &receivers.turns)?
+    } else {
+        gpu.upload("oblique light", &[LeafTurn::default()])?
+    };
+    Ok((buffer, [(7, u32::from(directional))]))
 }
 
 /// The sky as an image: rows from +y to -y, columns from +x to +z.

@@ -3,33 +3,35 @@
 //! sun by what each pixel's leaf scatters, times the visibility of the disc.
 
 use std::cell::OnceCell;
+use std::sync::Arc;
 
-use super::film::{Film, LitScene, film_axes, gloss};
+use super::appearance::LeafMaterial;
+use super::film::{Film, LitScene, film_axes, gloss, turns};
 use super::lit_lamps::{LampLight, LampRenderer, LampsOnDevice};
-use super::optics::mean_colour;
+use super::lit_materials::LitMaterial;
 use super::radiance_map::RadianceMap;
 use super::shadow_map::{self, ShadowRenderer, ShadowSettings};
 use crate::Result;
-use crate::abi::{LitDraw, LitFrame};
+use crate::abi::LitFrame;
 use crate::gpu::shaders::leaf as shaders;
 use crate::gpu::{
-    AddressMode, Binding, Buffer, BufferInfo, ColorTarget, ComputePipeline, DepthTarget, Format,
-    Gpu, GraphicsPipeline, GraphicsPipelineInfo, Image, ImageInfo, PassTime, QueueKind, RenderPass,
+    Binding, Buffer, BufferInfo, ColorTarget, ComputePipeline, DepthTarget, Format, Gpu,
+    GraphicsPipeline, GraphicsPipelineInfo, Image, ImageInfo, PassTime, QueueKind, RenderPass,
     Sampler, SamplerInfo, Work,
 };
-use crate::scene::{AlphaMode, Wrap, textures};
+use crate::scene::Model;
 
-/// Targets of the first pass: light, surface, material.
-const TARGETS: [(&str, Format); 3] = [
+/// Targets of the first pass: light, surface, what the leaf makes of light.
+const TARGETS: [(&str, Format); 4] = [
     ("sky light", Format::Rgba16Float),
     ("lit surface", Format::Rgba16Float),
-    ("lit material", Format::Rgba16Float),
+    ("lit leaf", Format::Rgba32Uint),
+    ("lit shine", Format::Rgba16Float),
 ];
 
 /// One part of the model as it is drawn.
 struct Part {
-    draw: LitDraw,
-    texture: usize,
+    material: usize,
     first_index: u32,
     index_count: u32,
 }
@@ -45,16 +47,19 @@ pub struct LitRenderer {
     indices: Buffer,
     radiance: Buffer,
     visibility: Buffer,
-    materials: Buffer,
+    sides: Buffer,
     gloss: Buffer,
-    textures: Vec<(Image, Sampler)>,
+    turns: Buffer,
+    materials: Vec<LitMaterial>,
     parts: Vec<Part>,
     targets: Vec<Image>,
     depth: Image,
     picture: Image,
     plain: Sampler,
-    first: GraphicsPipeline,
+    /// For materials without and with maps of their own.
+    first: [GraphicsPipeline; 2],
     second: ComputePipeline,
+    constants: [(u32, u32); 1],
     /// Made when the first lamp is drawn.
     lamps: OnceCell<LampRenderer>,
     /// Made when the first shadow map is drawn; its size stays.
@@ -92,6 +97,19 @@ impl LitRenderer {
         let target =
             |(name, format): (&str, Format)| gpu.image(ImageInfo::target(name, format, size, 1));
         let formats = TARGETS.map(|t| t.1);
+        let first = |mapped: u32| {
+            gpu.graphics_pipeline(&GraphicsPipelineInfo {
+                name: "lit",
+                vertex: shaders::LIT_VERT,
+                fragment: Some(shaders::LIT_FRAG),
+                color_formats: &formats,
+                depth_format: Some(Format::Depth32),
+                specialization: &[(0, mapped)],
+                ..GraphicsPipelineInfo::default()
+            })
+        };
+        let (turns, constants) = turns(gpu, scene.receivers)?;
+        let parts = g.parts.iter().filter(|p| p.index_count > 0);
         let mut out = Self {
             gpu: gpu.clone(),
             size,
@@ -102,106 +120,43 @@ impl LitRenderer {
             indices: gpu.upload("indices", &g.indices)?,
             radiance: device("radiance", 24 * vertices)?,
             visibility: device("visibility", 4 * vertices)?,
-            materials: gpu.upload("leaf sides", &scene.receivers.materials)?,
+            sides: gpu.upload("leaf sides", &scene.receivers.materials)?,
             gloss: gloss(gpu, scene.optics)?,
-            textures: Vec::new(),
-            parts: Vec::new(),
+            turns,
+            materials: Vec::new(),
+            parts: parts
+                .map(|part| Part {
+                    material: part.material,
+                    first_index: part.first_index as u32,
+                    index_count: part.index_count as u32,
+                })
+                .collect(),
             targets: TARGETS.into_iter().map(target).collect::<Result<_>>()?,
             depth: target(("lit depth", Format::Depth32))?,
             picture: gpu.image(ImageInfo::storage("lit picture", Format::Rgba32Float, size))?,
             plain: gpu.sampler(&SamplerInfo::default())?,
-            first: gpu.graphics_pipeline(&GraphicsPipelineInfo {
-                name: "lit",
-                vertex: shaders::LIT_VERT,
-                fragment: Some(shaders::LIT_FRAG),
-                color_formats: &formats,
-                depth_format: Some(Format::Depth32),
-                ..GraphicsPipelineInfo::default()
-            })?,
-            second: gpu.compute_pipeline(shaders::LIT_SUN_COMP)?,
+            first: [first(0)?, first(1)?],
+            second: gpu.compute_pipeline_with(shaders::LIT_SUN_COMP, &constants)?,
+            constants,
             lamps: OnceCell::new(),
             shadow: OnceCell::new(),
         };
-        out.load_materials(scene)?;
+        out.wear(scene.model, &[])?;
         Ok(out)
     }
 
-    fn load_materials(&mut self, scene: &LitScene<'_>) -> Result<()> {
-        let model = scene.model;
-        let mut draws = Vec::new();
-        for (number, material) in model.materials.iter().enumerate() {
-            let (texels, extent, wrap, transform) = match material.base_color_texture {
-                Some(reference) => {
-                    let texture = model.textures[reference.texture];
-                    let image = textures::decode(&model.images[texture.image])?;
-                    (
-                        image.pixels,
-                        [image.width, image.height],
-                        [texture.wrap_u, texture.wrap_v],
-                        reference.transform,
-                    )
-                }
-                None => (
-                    vec![255; 4],
-                    [1, 1],
-                    [Wrap::Clamp; 2],
-                    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-                ),
-            };
-            self.textures.push(self.texture(&texels, extent, wrap)?);
-            let base = material.base_color;
-            let mean = mean_colour(model, material)?;
-            draws.push(LitDraw {
-                texcoord_u: transform[0],
-                texcoord_v: transform[1],
-                tint: [0, 1, 2].map(|c| {
-                    if mean[c] > 0.0 {
-                        base[c] / mean[c]
-                    } else {
-                        1.0
-                    }
-                }),
-                alpha: base[3],
-                cutoff: match material.alpha_mode {
-                    AlphaMode::Opaque => -1.0,
-                    AlphaMode::Mask { cutoff } => cutoff,
-                    AlphaMode::Blend => 0.5,
-                },
-                material: number as u32,
-            });
-        }
-        for part in scene.geometry.parts.iter().filter(|p| p.index_count > 0) {
-            self.parts.push(Part {
-                draw: draws[part.material],
-                texture: part.material,
-                first_index: part.first_index as u32,
-                index_count: part.index_count as u32,
-            });
-        }
+    /// Gives materials the maps of `leaves`, one for each material of the model; those without
+    /// keep their base colour.
+    ///
+    /// # Errors
+    /// A texture that cannot be decoded, or memory runs out.
+    pub fn wear(&mut self, model: &Model, leaves: &[Option<Arc<LeafMaterial>>]) -> Result<()> {
+        let leaf = |i: usize| leaves.get(i).and_then(Option::as_deref);
+        let all = 0..model.materials.len();
+        self.materials = all
+            .map(|i| LitMaterial::new(&self.gpu, model, i, leaf(i)))
+            .collect::<Result<_>>()?;
         Ok(())
-    }
-
-    fn texture(
-        &self,
-        texels: &[u8],
-        extent: [u32; 2],
-        wrap: [Wrap; 2],
-    ) -> Result<(Image, Sampler)> {
-        let info = ImageInfo::texture("leaf texture", Format::Rgba8Srgb, extent, 1);
-        let image = self.gpu.image(info)?;
-        let mut work = self.gpu.work(QueueKind::Transfer, "leaf texture")?;
-        work.upload_image("leaf texture", &image, &[texels])?;
-        work.submit()?.wait()?;
-        let sampler = self.gpu.sampler(&SamplerInfo {
-            linear: true,
-            address: wrap.map(|w| match w {
-                Wrap::Repeat => AddressMode::Repeat,
-                Wrap::Clamp => AddressMode::Clamp,
-                Wrap::Mirror => AddressMode::Mirror,
-            }),
-            ..SamplerInfo::default()
-        })?;
-        Ok((image, sampler))
     }
 
     /// Bytes on the device for light that changes and for targets.
@@ -226,7 +181,9 @@ impl LitRenderer {
         let lamps = match &light.lamps {
             Some(lamps) if !lamps.lamps.is_empty() => {
                 let device = LampsOnDevice::new(&self.gpu, lamps, scene.geometry.origin)?;
-                let renderer = made(&self.lamps, || LampRenderer::new(&self.gpu, self.size))?;
+                let renderer = made(&self.lamps, || {
+                    LampRenderer::new(&self.gpu, self.size, &self.constants)
+                })?;
                 Some((renderer, device))
             }
             _ => None,
@@ -239,7 +196,7 @@ impl LitRenderer {
         self.sun(&mut work)?;
         if let Some(settings) = light.shadow {
             let renderer = made(&self.shadow, || {
-                ShadowRenderer::new(&self.gpu, settings.size)
+                ShadowRenderer::new(&self.gpu, settings.size, &self.constants)
             })?;
             let points = &scene.geometry.positions;
             let view = shadow_map::view(film.sun.towards, points, settings);
@@ -282,17 +239,25 @@ impl LitRenderer {
         }
     }
 
-    /// Draws the model into colour targets and a depth target.
+    /// Draws the model into colour targets and a depth target. Of two pipelines the second is for
+    /// materials with maps.
     fn raster(
         &self,
         work: &mut Work,
         label: &'static str,
-        (pipeline, targets, depth): (&GraphicsPipeline, &[Image], &Image),
+        (pipelines, targets, depth): (&[GraphicsPipeline], &[Image], &Image),
         vertex_reads: &[Binding<'_>],
     ) -> Result<()> {
+        let maps = pipelines.len() > 1;
         let mut reads = vertex_reads.to_vec();
         reads.push(Binding::Index(&self.indices));
-        reads.extend(self.textures.iter().map(|(i, s)| Binding::Sampled(i, s)));
+        for material in &self.materials {
+            reads.push(Binding::Sampled(&material.base, &material.sampler));
+            if maps {
+                let maps = material.maps.iter();
+                reads.extend(maps.map(|map| Binding::Sampled(map, &material.sampler)));
+            }
+        }
         let color: Vec<ColorTarget<'_>> = targets
             .iter()
             .map(|image| ColorTarget {
@@ -313,13 +278,18 @@ impl LitRenderer {
             reads: &reads,
         };
         work.render(label, &pass, |draws| {
-            draws.pipeline(pipeline);
-            draws.bind(0, vertex_reads)?;
             draws.index_buffer(&self.indices);
             for part in &self.parts {
-                let (image, sampler) = &self.textures[part.texture];
-                draws.bind(1, &[Binding::Sampled(image, sampler)])?;
-                draws.push(&part.draw)?;
+                let material = &self.materials[part.material];
+                draws.pipeline(&pipelines[usize::from(maps && material.mapped)]);
+                draws.bind(0, vertex_reads)?;
+                let mut textures = vec![Binding::Sampled(&material.base, &material.sampler)];
+                if maps {
+                    let maps = material.maps.iter();
+                    textures.extend(maps.map(|map| Binding::Sampled(map, &material.sampler)));
+                }
+                draws.bind(1, &textures)?;
+                draws.push(&material.draw)?;
                 let last = part.first_index + part.index_count;
                 draws.draw_indexed(part.first_index..last, 1)?;
             }
@@ -336,8 +306,10 @@ impl LitRenderer {
             Binding::Read(&self.texcoords),
             Binding::Read(&self.radiance),
             Binding::Read(&self.visibility),
+            Binding::Read(&self.sides),
+            Binding::Read(&self.gloss),
         ];
-        let into = (&self.first, self.targets.as_slice(), &self.depth);
+        let into = (self.first.as_slice(), self.targets.as_slice(), &self.depth);
         self.raster(work, "sky and leaf light", into, &reads)
     }
 
@@ -348,11 +320,11 @@ impl LitRenderer {
             &self.second,
             &[
                 Binding::Read(&self.frame),
-                Binding::Read(&self.materials),
-                Binding::Read(&self.gloss),
+                Binding::Read(&self.turns),
                 Binding::Sampled(&self.targets[0], &self.plain),
                 Binding::Sampled(&self.targets[1], &self.plain),
                 Binding::Sampled(&self.targets[2], &self.plain),
+                Binding::Sampled(&self.targets[3], &self.plain),
                 Binding::StorageWrite(&self.picture),
             ],
             &(),
@@ -367,18 +339,19 @@ impl LitRenderer {
             Binding::Read(&self.positions),
             Binding::Read(&self.texcoords),
         ];
-        let into = (&renderer.first, [].as_slice(), &renderer.map);
+        let one = std::slice::from_ref(&renderer.first);
+        let into = (one, [].as_slice(), &renderer.map);
         self.raster(work, "shadow map", into, &reads)?;
         work.compute(
             "sun by shadow map",
             &renderer.second,
             &[
                 Binding::Read(&self.frame),
-                Binding::Read(&self.materials),
-                Binding::Read(&self.gloss),
+                Binding::Read(&self.turns),
                 Binding::Read(&renderer.view),
                 Binding::Sampled(&self.targets[1], &self.plain),
                 Binding::Sampled(&self.targets[2], &self.plain),
+                Binding::Sampled(&self.targets[3], &self.plain),
                 Binding::Sampled(&self.depth, &self.plain),
                 Binding::Sampled(&renderer.map, &self.plain),
                 Binding::StorageReadWrite(&self.picture),
@@ -403,19 +376,20 @@ impl LitRenderer {
                 Binding::Read(visibility),
             ];
             let target = std::slice::from_ref(&renderer.target);
-            let into = (&renderer.first, target, &self.depth);
+            let one = std::slice::from_ref(&renderer.first);
+            let into = (one, target, &self.depth);
             self.raster(work, "surfaces for lamps", into, &reads)?;
             work.compute(
                 "lamps",
                 &renderer.second,
                 &[
                     Binding::Read(&self.frame),
-                    Binding::Read(&self.materials),
-                    Binding::Read(&self.gloss),
+                    Binding::Read(&self.turns),
                     Binding::Read(&device.records),
                     Binding::Read(&device.points),
                     Binding::Sampled(&self.targets[1], &self.plain),
                     Binding::Sampled(&self.targets[2], &self.plain),
+                    Binding::Sampled(&self.targets[3], &self.plain),
                     Binding::Sampled(&self.depth, &self.plain),
                     Binding::Sampled(&renderer.target, &self.plain),
                     Binding::StorageReadWrite(&self.picture),

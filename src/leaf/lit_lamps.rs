@@ -40,7 +40,7 @@ pub(super) struct LampsOnDevice {
 }
 
 impl LampRenderer {
-    pub(super) fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, size: [u32; 2], constants: &[(u32, u32)]) -> Result<Self> {
         Ok(Self {
             first: gpu.graphics_pipeline(&GraphicsPipelineInfo {
                 name: "lit lamps",
@@ -50,7 +50,7 @@ impl LampRenderer {
                 depth_format: Some(Format::Depth32),
                 ..GraphicsPipelineInfo::default()
             })?,
-            second: gpu.compute_pipeline(shaders::LIT_LAMPS_COMP)?,
+            second: gpu.compute_pipeline_with(shaders::LIT_LAMPS_COMP, constants)?,
             target: gpu.image(ImageInfo::target("lamp visibility", TARGET, size, 1))?,
         })
     }

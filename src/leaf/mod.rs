@@ -7,6 +7,7 @@
 pub mod appearance;
 pub mod checkpoint;
 pub mod cutouts;
+pub mod directional;
 pub mod directions;
 pub mod edit;
 pub mod environment;
@@ -23,6 +24,7 @@ pub mod light;
 pub mod light_file;
 pub mod lit;
 pub mod lit_lamps;
+mod lit_materials;
 pub mod lod;
 pub mod lvc;
 pub mod maps;
@@ -42,6 +44,7 @@ pub mod species;
 pub mod trace;
 pub mod truth;
 pub mod venation;
+pub mod wear;
 
 pub use appearance::{Face, LeafMaterial, Mode, Sampler, Side, SideOptics};
 pub use maps::SideMaps;

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::optics::Optics;
 use super::rays::Occluders;
-use crate::abi::{LeafSides, Receiver};
+use crate::abi::{LeafSides, LeafTurn, Receiver};
 use crate::scene::Geometry;
 
 /// A receiver lies this share of the way from its vertex to the centre of one of its faces, so
@@ -23,6 +23,9 @@ pub struct Receivers {
     /// The same for transfer, where the glossy reflection counts as a diffuse one: bands 0 to 4
     /// would blur it anyway, and without it the light of the sky would lack its share.
     pub transfer: Vec<LeafSides>,
+    /// Factors of oblique light (see [`super::directional`]); none: light from everywhere meets
+    /// what straight light does.
+    pub turns: Vec<LeafTurn>,
 }
 
 impl Receivers {
@@ -87,6 +90,7 @@ impl Receivers {
             faces,
             materials: optics.iter().map(Optics::sides).collect(),
             transfer: optics.iter().map(Optics::transfer_sides).collect(),
+            turns: Vec::new(),
         }
     }
 }

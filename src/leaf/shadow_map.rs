@@ -29,7 +29,7 @@ pub(super) struct ShadowRenderer {
 }
 
 impl ShadowRenderer {
-    pub(super) fn new(gpu: &Gpu, size: u32) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, size: u32, constants: &[(u32, u32)]) -> Result<Self> {
         Ok(Self {
             view: gpu.buffer(BufferInfo::device(
                 "shadow view",
@@ -48,7 +48,7 @@ impl ShadowRenderer {
                 depth_format: Some(Format::Depth32),
                 ..GraphicsPipelineInfo::default()
             })?,
-            second: gpu.compute_pipeline(shaders::LIT_SHADOW_COMP)?,
+            second: gpu.compute_pipeline_with(shaders::LIT_SHADOW_COMP, constants)?,
         })
     }
 }

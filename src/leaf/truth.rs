@@ -1,7 +1,7 @@
 //! Path-traced pictures on the same hierarchy: what the split into transfer and visibility is
 //! measured against.
 
-use super::film::{Film, LitScene, film_axes, gloss, sky_image};
+use super::film::{Film, LitScene, film_axes, gloss, sky_image, turns};
 use super::lamp::PlacedLamps;
 use super::radiance_map::RadianceMap;
 use super::rays::RayScene;
@@ -56,6 +56,7 @@ struct PathTracer<'a> {
     sky: (Image, Sampler),
     lamps: Buffer,
     points: Buffer,
+    turns: Buffer,
     rays: RayBatch,
     sun_rays: RayBatch,
     paths: Buffer,
@@ -184,6 +185,7 @@ impl<'a> PathTracer<'a> {
             ..SamplerInfo::default()
         })?;
         let kernel = |shader| gpu.compute_pipeline(shader);
+        let (turns, constants) = turns(gpu, scene.receivers)?;
         Ok(Self {
             gpu,
             scene: RayScene::new(gpu, occluders)?,
@@ -198,6 +200,7 @@ impl<'a> PathTracer<'a> {
             sky: (sky_image(gpu, &film.sky)?, sampler),
             lamps: gpu.upload("lamps", &lamps.records)?,
             points: gpu.upload("points of lights", &lamps.points)?,
+            turns,
             rays: RayBatch::new(gpu, BATCH)?,
             sun_rays: RayBatch::new(gpu, BATCH)?,
             paths: device(
@@ -208,7 +211,7 @@ impl<'a> PathTracer<'a> {
             sums: device("truth pixels", pixels * 48)?,
             kernels: [
                 kernel(shaders::TRUTH_START_COMP)?,
-                kernel(shaders::TRUTH_BOUNCE_COMP)?,
+                gpu.compute_pipeline_with(shaders::TRUTH_BOUNCE_COMP, &constants)?,
                 kernel(shaders::TRUTH_ADD_COMP)?,
                 kernel(shaders::TRUTH_GATHER_COMP)?,
             ],
@@ -294,6 +297,7 @@ impl<'a> PathTracer<'a> {
                 Binding::ReadWrite(&self.alive),
                 Binding::Read(&self.lamps),
                 Binding::Read(&self.points),
+                Binding::Read(&self.turns),
             ],
             batch,
             [count, 1, 1],

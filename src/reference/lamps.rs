@@ -5,9 +5,9 @@
 
 use glam::DVec3;
 
-use super::lit::leaf_scatters;
+use super::lit::{leaf_for_light, leaf_scatters};
 use super::rays::Triangles;
-use crate::abi::{LAMP_REACH, LampRecord, LeafSides, Receiver};
+use crate::abi::{LAMP_REACH, LampRecord, LeafSides, LeafTurn, Receiver};
 
 /// Cosine at the lamp over the squared distance; `to` leads from the surface to a point of it.
 #[must_use]
@@ -49,7 +49,7 @@ pub fn visibility(
 #[must_use]
 pub fn scattered(
     (lamp, points): (&LampRecord, &[[f32; 3]]),
-    (leaf, gloss): (&LeafSides, [f32; 4]),
+    (leaf, gloss, turns): (&LeafSides, [f32; 4], &[LeafTurn]),
     (place, normal, to_eye): (DVec3, DVec3, DVec3),
 ) -> DVec3 {
     let first = lamp.first_point as usize;
@@ -57,7 +57,8 @@ pub fn scattered(
     let light = own.iter().map(|&point| {
         let to = vector(point) - place;
         let towards = to / to.length().max(1e-15);
-        lamp_falloff(to, lamp) * leaf_scatters(leaf, gloss, normal, (towards, to_eye))
+        let leaf = leaf_for_light(leaf, turns, normal.dot(towards));
+        lamp_falloff(to, lamp) * leaf_scatters(&leaf, gloss, normal, (towards, to_eye))
     });
     vector(lamp.intensity) * light.sum::<DVec3>()
 }

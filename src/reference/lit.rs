@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::abi::{LeafSides, LitFrame};
+use crate::abi::{LEAF_TURN_NODES, LeafSides, LeafTurn, LitFrame};
 
 /// What the first pass leaves for a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,8 +17,35 @@ pub struct Pixel {
     pub normal: DVec3,
     /// Visibility of the sun plus 1, negative on the back.
     pub surface: f64,
-    /// Colour of the texture over its mean.
-    pub tint: DVec3,
+    /// What the leaf makes of light there; both sides are as the one that is seen.
+    pub leaf: LeafSides,
+    /// Specular intensity and roughness.
+    pub shine: [f32; 4],
+}
+
+/// `leaf` for light at `cosine` to the normal of its front, by the factors of its material; none: as
+/// it is.
+#[must_use]
+pub fn leaf_for_light(leaf: &LeafSides, turns: &[LeafTurn], cosine: f64) -> LeafSides {
+    if turns.is_empty() {
+        return *leaf;
+    }
+    let cells = f64::from(LEAF_TURN_NODES - 1);
+    let at = cosine.abs().min(1.0) * cells;
+    let cell = at.floor().min(cells - 1.0);
+    let (low, high) = (turns[cell as usize], turns[cell as usize + 1]);
+    let mix = |a: [f32; 3], b: [f32; 3]| vector(a).lerp(vector(b), at - cell);
+    let times = |rho: [f32; 3], f: DVec3| (vector(rho) * f).as_vec3().to_array();
+    let through = if cosine > 0.0 {
+        mix(low.down, high.down)
+    } else {
+        mix(low.up, high.up)
+    };
+    LeafSides {
+        rho_d_front: times(leaf.rho_d_front, mix(low.front, high.front)),
+        rho_d_back: times(leaf.rho_d_back, mix(low.back, high.back)),
+        rho_t: times(leaf.rho_t, through),
+    }
 }
 
 /// Beckmann's distribution of slopes over cos^4.
@@ -79,17 +106,13 @@ pub fn to_eye_of_pixel(frame: &LitFrame, at: (u32, u32), normal: DVec3, side: f6
 
 /// Light of pixel (`x`, `y`) with the sun.
 #[must_use]
-pub fn lit_sun(
-    frame: &LitFrame,
-    (x, y): (u32, u32),
-    pixel: &Pixel,
-    (leaf, gloss): (&LeafSides, [f32; 4]),
-) -> DVec3 {
+pub fn lit_sun(frame: &LitFrame, (x, y): (u32, u32), pixel: &Pixel, turns: &[LeafTurn]) -> DVec3 {
     let to_eye = to_eye_of_pixel(frame, (x, y), pixel.normal, pixel.surface);
-    let directions = (vector(frame.sun), to_eye);
-    let scattered = leaf_scatters(leaf, gloss, pixel.normal, directions);
+    let sun = vector(frame.sun);
+    let leaf = leaf_for_light(&pixel.leaf, turns, pixel.normal.dot(sun));
+    let scattered = leaf_scatters(&leaf, pixel.shine, pixel.normal, (sun, to_eye));
     let seen = pixel.surface.abs() - 1.0;
-    pixel.light + pixel.tint * vector(frame.irradiance) * seen * scattered
+    pixel.light + vector(frame.irradiance) * seen * scattered
 }
 
 fn vector(v: [f32; 3]) -> DVec3 {

@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::lamps::lamp_falloff;
-use super::lit::{leaf_scatters, slope_distribution};
+use super::lit::{leaf_for_light, leaf_scatters, slope_distribution};
 use super::rays::Triangles;
-use crate::abi::{LAMP_REACH, LampRecord, LeafSides, TruthFrame};
+use crate::abi::{LAMP_REACH, LEAF_TURN_NODES, LampRecord, LeafSides, LeafTurn, TruthFrame};
 use crate::math::sampling::{cosine_hemisphere, even_numbers, frame, path_key, random};
 
 /// What paths meet and see.
@@ -29,6 +29,8 @@ pub struct Scene<'a> {
     pub materials: &'a [LeafSides],
     /// Specular intensity and roughness of every material.
     pub gloss: &'a [[f32; 4]],
+    /// Factors of oblique light of every material; none: those of straight light hold.
+    pub turns: &'a [LeafTurn],
     /// Lamps.
     pub lamps: &'a [LampRecord],
     /// Points of the sun's shape and of the lamps.
@@ -194,7 +196,10 @@ impl Scene<'_> {
 
     fn scatters(&self, met: &Meeting, to_light: DVec3) -> DVec3 {
         let (leaf, gloss) = (&self.materials[met.material], self.gloss[met.material]);
-        leaf_scatters(leaf, gloss, met.normal, (to_light, met.to_eye))
+        let nodes = LEAF_TURN_NODES as usize;
+        let own = self.turns.chunks_exact(nodes).nth(met.material);
+        let leaf = leaf_for_light(leaf, own.unwrap_or(&[]), met.normal.dot(to_light));
+        leaf_scatters(&leaf, gloss, met.normal, (to_light, met.to_eye))
     }
 
     /// The next direction, from one of three lobes, and what light from there counts; nothing where

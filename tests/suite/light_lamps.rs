@@ -27,7 +27,7 @@ fn irradiance(lamp: &str, count: u32) -> f64 {
     let patch = (DVec3::ZERO, DVec3::Y, DVec3::Y);
     let light = scattered(
         (&placed.records[0], &placed.points),
-        (&white, [0.0, 0.0, 0.0, 0.3]),
+        (&white, [0.0, 0.0, 0.0, 0.3], &[]),
         patch,
     );
     PI * light.x

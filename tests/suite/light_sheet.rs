@@ -89,3 +89,91 @@ fn a_shadow_map_needs_no_light_file_and_with_transfer_it_does() {
         "--validate",
     ]));
 }
+
+/// A leaf file's veins are drawn pixel by pixel, its outline is cut out, and its mean stays.
+#[test]
+fn leaves_with_maps_are_drawn_by_them() {
+    let place = Place::new();
+    let edit = [
+        "leaf",
+        "edit",
+        "maple",
+        "-o",
+        "maple.toml",
+        "--size",
+        "64x64",
+    ];
+    place.json(&edit);
+    let card = "v -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                f 1/1 2/2 3/3 4/4\n";
+    let card = place.write("card.obj", card);
+    let draw = |leaf: &str, out: &str| {
+        let sun = ["--sun-direction", "0,0.2,1", "--environment", "constant:0"];
+        let what = [
+            "render",
+            &card,
+            "-o",
+            out,
+            "--size",
+            "96x96",
+            "--lighting",
+            "lvc,truth",
+        ];
+        let how = [
+            "--leaf",
+            leaf,
+            "--camera",
+            "0,0",
+            "--truth-samples",
+            "8",
+            "--validate",
+        ];
+        let report = place.json(&[&what[..], &how, &sun].concat());
+        report["errors"][0].clone()
+    };
+    let mapped = draw("maple.toml", "maps.png");
+    let directional = {
+        let what = [
+            "render",
+            &card,
+            "-o",
+            "d.png",
+            "--size",
+            "96x96",
+            "--lighting",
+            "lvc,truth",
+            "--leaf",
+            "maple.toml",
+            "--camera",
+            "0,0",
+            "--truth-samples",
+            "8",
+            "--directional",
+            "--sun-direction",
+            "0,1,0.4",
+            "--environment",
+            "constant:0",
+            "--validate",
+        ];
+        place.json(&what)["errors"][0].clone()
+    };
+    for row in [&mapped, &directional] {
+        let bias = row["bias"].as_f64().unwrap();
+        assert!(bias.abs() < 0.05, "the mean stays: {row:#}");
+        assert!(
+            row["rmse"].as_f64().unwrap() > 0.05,
+            "veins differ: {row:#}"
+        );
+        assert!(
+            row["coverage"].as_f64().unwrap() < 0.03,
+            "one outline: {row:#}"
+        );
+    }
+    let sheet = image::open(place.path("maps.png")).unwrap().to_rgb8();
+    // The corner of the card is no leaf.
+    let seen = sheet
+        .pixels()
+        .filter(|p| p[1] > p[2].saturating_add(10))
+        .count();
+    assert!(seen > 500 && seen < 2 * 96 * 96 * 4 / 5, "{seen}");
+}

@@ -86,6 +86,18 @@ impl OpticsArgs {
         Ok(Some(LeafSpecies::parse(name)?.plain()))
     }
 
+    /// Whether numbers are told that replace those of a leaf.
+    #[must_use]
+    pub fn told(&self) -> bool {
+        let colours = [
+            self.reflectance,
+            self.reflectance_below,
+            self.transmittance,
+            self.gloss,
+        ];
+        colours.iter().any(Option::is_some) || self.roughness.is_some()
+    }
+
     /// Replaces what was told.
     pub fn apply(&self, optics: &mut Optics) {
         let rgb = |t: Triple| t.0.map(|v| v as f32);
@@ -291,6 +303,10 @@ pub struct LitArgs {
     /// Points of each lamp whose light a pixel's leaf scatters, 1 to 64; 1 is right for small lamps
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub lamp_points: u32,
+    /// Leaves reflect more of oblique light and transmit less, as their slab does; otherwise they
+    /// take light from everywhere as if it came straight down. For the sun, lamps and the truth
+    #[arg(long)]
+    pub directional: bool,
     /// Bands of the transfer vectors that are used at most, 1 to 6
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,

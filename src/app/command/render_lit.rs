@@ -15,6 +15,7 @@ use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::gpu::Gpu;
+use crate::leaf::directional;
 use crate::leaf::film::{Film, LitScene};
 use crate::leaf::lamp_maps::{LampMaps, LampSettings};
 use crate::leaf::lamp_transfer::{self, LampTransfer};
@@ -56,7 +57,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     let output = PendingFile::create(&args.output)?;
     let mut timings = Timings::default();
     let model = &args.model;
-    let lit = timings.measure("read", || {
+    let mut lit = timings.measure("read", || {
         LitModel::new(
             source,
             &model.textures,
@@ -64,6 +65,9 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
             &args.lit.optics,
         )
     })?;
+    if args.lit.directional {
+        lit.receivers.turns = directional::table(&lit.optics)?;
+    }
     let film = film(&lit.geometry, &args.lit, &settings)?;
     let light = match &args.lit.light {
         Some(path) => Some(light_file::read(path, &lit.key(), lit.vertices())?),
@@ -207,7 +211,11 @@ impl Job<'_> {
         let factor = self.args.supersample;
         if self.renderer.is_none() {
             let size = self.film.size.map(|s| factor * s);
-            self.renderer = Some(LitRenderer::new(self.gpu, &self.scene(), size)?);
+            let mut renderer = LitRenderer::new(self.gpu, &self.scene(), size)?;
+            if self.lit.leaves.iter().any(Option::is_some) {
+                renderer.wear(&self.lit.model, &self.lit.leaves)?;
+            }
+            self.renderer = Some(renderer);
         }
         let renderer = self.renderer.as_ref().expect("just made");
         let light = VertexLight {

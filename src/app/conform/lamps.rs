@@ -1,19 +1,19 @@
 //! Lamps: what vertices see of them and what pixels make of their light.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::light::leaves;
-use super::lit::{FRAME, LEAVES, SIZE, map};
+use super::lit::{FRAME, SIZE, Surfaces, map, wide};
 use super::{Case, Outcome};
 use crate::Result;
 use crate::abi::LampPass;
 use crate::gpu::shaders::leaf as shaders;
-use crate::gpu::{Binding, Format, Gpu, ImageInfo, QueueKind, SamplerInfo};
+use crate::gpu::{Binding, Format, Gpu, ImageInfo, QueueKind};
 use crate::leaf::lamp::{Lamp, PlacedLamps};
 use crate::leaf::lamp_maps::{LampMaps, LampSettings};
 use crate::leaf::rays::RayScene;
 use crate::leaf::shape::Shape;
-use crate::math::sampling::{fibonacci_sphere, uniform};
+use crate::math::sampling::uniform;
 use crate::reference::lamps::{scattered, visibility};
 use crate::reference::lit::{position_of_pixel, to_eye_of_pixel};
 
@@ -78,39 +78,35 @@ fn seen(gpu: &Gpu) -> Result<Outcome> {
 /// Random surfaces under all lamps.
 fn pixels(gpu: &Gpu) -> Result<Outcome> {
     let count = SIZE * SIZE;
-    let (leaves, gloss) = LEAVES;
     let placed = PlacedLamps::new(&lamps(), (DVec3::ZERO, 1.0), 5);
-    let (mut surface, mut material, mut depth, mut visible) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let surfaces = Surfaces::new(22, true);
+    let (mut depth, mut visible) = (Vec::new(), Vec::new());
     for i in 0..count {
-        let u = |k: u32| uniform(22, 12 * i + k) as f32;
-        let n = fibonacci_sphere(i * 7 % count, count).as_vec3();
-        let side = if n.z > 0.0 { 1.0 } else { -1.0 };
-        surface.push([n.x, n.y, n.z, side * 1.5]);
-        material.push([0.5 + u(0), 0.5 + u(1), 0.5 + u(2), (i % 2) as f32]);
+        let u = |k: u32| uniform(23, 4 * i + k) as f32;
         // 0.5 to 2 metres before the camera.
         let near = if i % 11 == 0 { 0.0 } else { 0.05 + 0.15 * u(3) };
         depth.push([near, 0.0, 0.0, 0.0]);
-        visible.push([u(6), u(7), u(8), 0.0]);
+        visible.push([u(0), u(1), u(2), 0.0]);
     }
-    let found = draw(gpu, &placed, [&surface, &material, &depth, &visible])?;
+    let found = draw(gpu, &placed, &surfaces, [&depth, &visible])?;
     let mut error = 0.0_f64;
     for i in 0..count as usize {
-        let wide = |v: &[f32]| Vec3::from_slice(v).as_dvec3();
         let mut expected = DVec3::ZERO;
         if depth[i][0] > 0.0 {
-            let own = material[i][3] as usize;
-            let normal = wide(&surface[i]).normalize();
+            let (pixel, turns) = surfaces.pixel(i);
             let at = (i as u32 % SIZE, i as u32 / SIZE);
-            let to_eye = to_eye_of_pixel(&FRAME, at, normal, surface[i][3].into());
+            let to_eye = to_eye_of_pixel(&FRAME, at, pixel.normal, pixel.surface);
             let place = position_of_pixel(&FRAME, at, depth[i][0].into());
-            let place = (place, normal, to_eye);
             for (lamp, share) in placed.records.iter().zip(visible[i]) {
-                let light = scattered((lamp, &placed.points), (&leaves[own], gloss[own]), place);
-                expected += f64::from(share) * light * wide(&material[i]);
+                let light = scattered(
+                    (lamp, &placed.points),
+                    (&pixel.leaf, pixel.shine, turns),
+                    (place, pixel.normal, to_eye),
+                );
+                expected += f64::from(share) * light;
             }
         }
-        error = error.max((expected - wide(&found[i])).abs().max_element());
+        error = error.max((expected - wide(found[i])).abs().max_element());
     }
     Ok(Outcome {
         error,
@@ -119,36 +115,41 @@ fn pixels(gpu: &Gpu) -> Result<Outcome> {
     })
 }
 
-fn draw(gpu: &Gpu, placed: &PlacedLamps, maps: [&[[f32; 4]]; 4]) -> Result<Vec<[f32; 4]>> {
+fn draw(
+    gpu: &Gpu,
+    placed: &PlacedLamps,
+    surfaces: &Surfaces,
+    maps: [&[[f32; 4]]; 2],
+) -> Result<Vec<[f32; 4]>> {
     let frame = gpu.upload("lit frame", &[FRAME])?;
-    let leaves = gpu.upload("leaf sides", &LEAVES.0)?;
-    let gloss = gpu.upload("gloss", &LEAVES.1)?;
     let records = gpu.upload("lamps", &placed.records)?;
     let points = gpu.upload("lamp points", &placed.points)?;
-    let sampler = gpu.sampler(&SamplerInfo::default())?;
-    let images = [
-        map(gpu, maps[0])?,
-        map(gpu, maps[1])?,
-        map(gpu, maps[2])?,
-        map(gpu, maps[3])?,
-    ];
+    let device = surfaces.upload(gpu)?;
+    let (depth, visible) = (map(gpu, maps[0])?, map(gpu, maps[1])?);
     let info = ImageInfo::storage("lit picture", Format::Rgba32Float, [SIZE; 2]);
     let picture = gpu.image(info)?;
-    let mut bound = vec![
-        Binding::Read(&frame),
-        Binding::Read(&leaves),
-        Binding::Read(&gloss),
-        Binding::Read(&records),
-        Binding::Read(&points),
-    ];
-    bound.extend(images.iter().map(|i| Binding::Sampled(i, &sampler)));
-    bound.push(Binding::StorageReadWrite(&picture));
-    let kernel = gpu.compute_pipeline(shaders::LIT_LAMPS_COMP)?;
+    let kernel = gpu.compute_pipeline_with(shaders::LIT_LAMPS_COMP, &device.constants)?;
     let black = vec![[0.0_f32; 4]; (SIZE * SIZE) as usize];
     let mut work = gpu.work(QueueKind::Graphics, "lit picture")?;
     work.upload_image("black", &picture, &[bytemuck::cast_slice(&black)])?;
-    let pass = LampPass { first: 0, count: 3 };
-    work.compute("lamps", &kernel, &bound, &pass, [SIZE, SIZE, 1])?;
+    work.compute(
+        "lamps",
+        &kernel,
+        &[
+            Binding::Read(&frame),
+            Binding::Read(&device.turns),
+            Binding::Read(&records),
+            Binding::Read(&points),
+            Binding::Sampled(&device.surface, &device.sampler),
+            Binding::Sampled(&device.leaf, &device.sampler),
+            Binding::Sampled(&device.shine, &device.sampler),
+            Binding::Sampled(&depth, &device.sampler),
+            Binding::Sampled(&visible, &device.sampler),
+            Binding::StorageReadWrite(&picture),
+        ],
+        &LampPass { first: 0, count: 3 },
+        [SIZE, SIZE, 1],
+    )?;
     let read = work.read_image("lit picture", &picture)?;
     let mut done = work.submit()?.wait()?;
     Ok(bytemuck::pod_collect_to_vec(&done.take(read)))

@@ -6,6 +6,7 @@ use super::light::model;
 use super::{Case, Outcome};
 use crate::Result;
 use crate::gpu::Gpu;
+use crate::leaf::directional;
 use crate::leaf::environment::{Environment, Sun};
 use crate::leaf::film::{Film, LitScene};
 use crate::leaf::lamp::Lamp;
@@ -29,6 +30,7 @@ pub(super) fn cases() -> Vec<Case> {
     vec![
         case("light.truth.diffuse", |gpu| run(gpu, 0.0, &[])),
         case("light.truth.glossy", |gpu| run(gpu, 0.06, &[])),
+        // And with the factors of oblique light.
         case("light.truth.lamps", |gpu| run(gpu, 0.06, &lamps())),
     ]
 }
@@ -62,7 +64,10 @@ fn run(gpu: &Gpu, shine: f32, lamps: &[Lamp]) -> Result<Outcome> {
         rho_s: [shine; 3],
         roughness: 0.3,
     }];
-    let receivers = Receivers::new(&geometry, &occluders, &optics);
+    let mut receivers = Receivers::new(&geometry, &occluders, &optics);
+    if !lamps.is_empty() {
+        receivers.turns = directional::table(&optics)?;
+    }
     let scene = LitScene {
         model: &model(Primitive::default()),
         geometry: &geometry,
@@ -87,6 +92,7 @@ fn run(gpu: &Gpu, shine: f32, lamps: &[Lamp]) -> Result<Outcome> {
         normals: &geometry.normals,
         materials: &receivers.materials,
         gloss: &[[shine, shine, shine, 0.3]],
+        turns: &receivers.turns,
         lamps: &lights.records,
         points: &lights.points,
         sky: &|d| film.sky.radiance(d),
