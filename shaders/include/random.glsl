@@ -45,6 +45,14 @@ vec3 to_frame(vec3 z, vec3 local) {
     return local.x * x + local.y * y + local.z * z;
 }
 
+// Uniform on the sphere, pole z.
+vec3 sphere_direction(vec2 u) {
+    float z = 1.0 - 2.0 * u.x;
+    float r = sqrt(max(1.0 - z * z, 0.0));
+    float phi = 6.28318530717958648 * u.y;
+    return vec3(r * cos(phi), r * sin(phi), z);
+}
+
 // Cosine-distributed about z.
 vec3 cosine_direction(vec3 z, vec2 u) {
     float r = sqrt(u.x);

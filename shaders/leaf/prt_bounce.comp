@@ -47,7 +47,7 @@ void main() {
     float total = reflects + transmits;
     uint side = path % push.batch.sides;
     uint number = push.batch.first_sample + path / push.batch.sides;
-    uint key = path_key(2u * push.batch.first_receiver + side, number, push.batch.seed);
+    uint key = path_key(push.batch.first_side + side, number, push.batch.seed);
     uint counter = 4u * push.bounce;
     // Russian roulette from the second bounce on.
     float survives = push.bounce > 0u ? min(push.survival * total, 1.0) : 1.0;

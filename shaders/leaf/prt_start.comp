@@ -23,7 +23,7 @@ void main() {
     }
     uint side = path % push.sides;
     uint number = push.first_sample + path / push.sides;
-    uint global = 2u * push.first_receiver + side;
+    uint global = push.first_side + side;
     Receiver receiver = receivers[global >> 1u];
     bool front = (side & 1u) == 0u;
     LeafSides material = materials[receiver.material];

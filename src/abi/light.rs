@@ -39,6 +39,10 @@ abi! {
         RAY_FAR: f32 = 1e30;
         /// Coefficients of spherical harmonics at most: bands 0 to 5.
         SH_MAX_COEFFICIENTS: u32 = 36;
+        /// Angles of view of a glossy lobe's table, even from 0 to 90 degrees.
+        LOBE_NODES: u32 = 65;
+        /// Coefficients of an angle: m from 0 to l in each of 6 bands.
+        LOBE_COEFFICIENTS: u32 = 21;
         /// State of a path whose ray is to be traced.
         PATH_ALIVE: f32 = -1.0;
         /// State of a path that was absorbed; others hold the bounce at which they escaped.
@@ -85,11 +89,12 @@ abi! {
             rho_t: [f32; 3],
         }
 
-        /// Push constants of `leaf/prt_start.comp` and `leaf/prt_gather.comp`.
+        /// Push constants of `leaf/prt_start.comp`, `leaf/prt_gather.comp`, `leaf/matrix_start.comp` and
+        /// `leaf/matrix_gather.comp`.
         PrtBatch {
-            /// First receiver.
-            first_receiver: u32,
-            /// Two for each receiver of the batch.
+            /// First side.
+            first_side: u32,
+            /// Sides: two for each receiver of the batch; one where matrices are gathered.
             sides: u32,
             /// Number of the first sample.
             first_sample: u32,
@@ -111,6 +116,14 @@ abi! {
             last: u32,
             /// Chance of going on, in albedos of what was met.
             survival: f32,
+        }
+
+        /// Push constants of `leaf/gloss_view.comp`.
+        GlossView {
+            /// Eye, in units of the diagonal.
+            eye: [f32; 3],
+            /// Receivers.
+            count: u32,
         }
 
         /// Push constants of `leaf/lvc_rays.comp` and `leaf/lvc_count.comp`.

@@ -15,29 +15,51 @@ pub struct Checkpoint {
     pub transfer: Snapshot,
     /// Levels of detail of those that are done.
     pub levels: Vec<f32>,
+    /// Transfer matrices so far.
+    pub matrices: Snapshot,
+    /// Those that are done, as they are stored.
+    pub packed: Vec<f32>,
     /// Visibility maps so far, as runs.
     pub maps: Vec<Vec<u8>>,
 }
 
 #[derive(Serialize, Deserialize)]
 struct Header {
+    transfer: Part,
+    levels: usize,
+    matrices: Part,
+    packed: usize,
+    maps: Vec<usize>,
+}
+
+/// The numbers of a [`Snapshot`].
+#[derive(Serialize, Deserialize)]
+struct Part {
     receivers: u32,
     sample: u32,
-    levels: usize,
     values: usize,
     sums: usize,
-    maps: Vec<usize>,
+}
+
+impl From<&Snapshot> for Part {
+    fn from(snapshot: &Snapshot) -> Self {
+        Self {
+            receivers: snapshot.receivers,
+            sample: snapshot.sample,
+            values: snapshot.values.len(),
+            sums: snapshot.sums.len(),
+        }
+    }
 }
 
 /// The bytes of the file.
 #[must_use]
 pub fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
     let header = Header {
-        receivers: checkpoint.transfer.receivers,
-        sample: checkpoint.transfer.sample,
+        transfer: Part::from(&checkpoint.transfer),
         levels: checkpoint.levels.len(),
-        values: checkpoint.transfer.values.len(),
-        sums: checkpoint.transfer.sums.len(),
+        matrices: Part::from(&checkpoint.matrices),
+        packed: checkpoint.packed.len(),
         maps: checkpoint.maps.iter().map(Vec::len).collect(),
     };
     let header = serde_json::to_vec(&header).expect("plain data");
@@ -45,9 +67,17 @@ pub fn encode(checkpoint: &Checkpoint) -> Vec<u8> {
     out.extend(checkpoint.job);
     out.extend((header.len() as u64).to_le_bytes());
     out.extend(header);
-    out.extend(bytemuck::cast_slice::<f32, u8>(&checkpoint.levels));
-    out.extend(bytemuck::cast_slice::<f32, u8>(&checkpoint.transfer.values));
-    out.extend(bytemuck::cast_slice::<f32, u8>(&checkpoint.transfer.sums));
+    let (transfer, matrices) = (&checkpoint.transfer, &checkpoint.matrices);
+    for floats in [
+        &checkpoint.levels,
+        &transfer.values,
+        &transfer.sums,
+        &matrices.values,
+        &matrices.sums,
+        &checkpoint.packed,
+    ] {
+        out.extend(bytemuck::cast_slice::<f32, u8>(floats));
+    }
     out.extend(checkpoint.maps.iter().flatten());
     let sum = blake3::hash(&out);
     out.extend(sum.as_bytes());
@@ -79,22 +109,32 @@ pub fn decode(bytes: &[u8], job: &[u8; 32]) -> Result<Checkpoint, &'static str> 
         rest = after;
         Ok::<_, &'static str>(block)
     };
-    let levels = bytemuck::pod_collect_to_vec(take(4 * header.levels)?);
-    let values = bytemuck::pod_collect_to_vec(take(4 * header.values)?);
-    let sums = bytemuck::pod_collect_to_vec(take(4 * header.sums)?);
+    let mut floats = |count: usize| {
+        let block = take(count.checked_mul(4).ok_or(DAMAGED)?)?;
+        Ok::<Vec<f32>, &'static str>(bytemuck::pod_collect_to_vec(block))
+    };
+    let levels = floats(header.levels)?;
+    let mut snapshot = |part: &Part| {
+        Ok::<_, &'static str>(Snapshot {
+            receivers: part.receivers,
+            values: floats(part.values)?,
+            sample: part.sample,
+            sums: floats(part.sums)?,
+        })
+    };
+    let transfer = snapshot(&header.transfer)?;
+    let matrices = snapshot(&header.matrices)?;
+    let packed = floats(header.packed)?;
     let maps = header.maps.iter();
     let maps = maps
         .map(|&n| Ok::<_, &'static str>(take(n)?.to_vec()))
         .collect::<Result<_, _>>()?;
     Ok(Checkpoint {
         job: *job,
-        transfer: Snapshot {
-            receivers: header.receivers,
-            values,
-            sample: header.sample,
-            sums,
-        },
+        transfer,
         levels,
+        matrices,
+        packed,
         maps,
     })
 }
@@ -114,6 +154,13 @@ mod tests {
                 sums: vec![0.5],
             },
             levels: vec![3.0, 4.0],
+            matrices: Snapshot {
+                receivers: 2,
+                values: Vec::new(),
+                sample: 1,
+                sums: vec![8.0, 7.0],
+            },
+            packed: vec![6.0],
             maps: vec![vec![1, 2], vec![], vec![9]],
         };
         let bytes = encode(&checkpoint);

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::directions::Directions;
 use super::environment::Coefficients;
+use super::matrix::StoredMatrices;
 use super::prt::{Transfer, side_floats};
 use super::runs;
 use crate::abi::LeafSides;
@@ -81,30 +82,8 @@ impl StoredTransfer {
     /// Stores `transfer`, that of a level of detail of `edge` metres or of all vertices.
     #[must_use]
     pub fn new(transfer: &Transfer, storage: Storage, paths: u32, edge: f32) -> Self {
-        let values = &transfer.values;
         let floats = side_floats(transfer.order);
-        let mut scales = Vec::new();
-        let bytes = match storage {
-            Storage::F32 => bytemuck::cast_slice(values).to_vec(),
-            Storage::F16 => values
-                .iter()
-                .flat_map(|&v| f32_to_f16(v).to_le_bytes())
-                .collect(),
-            Storage::Byte => {
-                scales = vec![0.0_f32; floats];
-                for side in values.chunks_exact(floats) {
-                    for (scale, v) in scales.iter_mut().zip(side) {
-                        *scale = scale.max(v.abs() / 127.0);
-                    }
-                }
-                let packed = |(i, v): (usize, &f32)| {
-                    let scale = scales[i % floats];
-                    let steps = if scale > 0.0 { v / scale } else { 0.0 };
-                    (steps.round() as i8).to_le_bytes()[0]
-                };
-                values.iter().enumerate().map(packed).collect()
-            }
-        };
+        let (bytes, scales) = store(&transfer.values, floats, storage);
         Self {
             storage,
             order: transfer.order,
@@ -124,25 +103,53 @@ impl StoredTransfer {
     /// The vectors again.
     #[must_use]
     pub fn transfer(&self) -> Transfer {
-        let floats = side_floats(self.order);
-        let values = match self.storage {
-            Storage::F32 => bytemuck::pod_collect_to_vec(&self.bytes),
-            Storage::F16 => self
-                .bytes
-                .par_chunks_exact(2)
-                .map(|b| f16_to_f32(u16::from_le_bytes([b[0], b[1]])))
-                .collect(),
-            Storage::Byte => self
-                .bytes
-                .iter()
-                .enumerate()
-                .map(|(i, &b)| self.scales[i % floats] * f32::from(i8::from_le_bytes([b])))
-                .collect(),
-        };
         Transfer {
             order: self.order,
-            values,
+            values: load(&self.bytes, &self.scales, self.storage),
         }
+    }
+}
+
+/// Values in the form of `storage`, and of bytes the scale of each of `period` values.
+pub(super) fn store(values: &[f32], period: usize, storage: Storage) -> (Vec<u8>, Vec<f32>) {
+    let mut scales = Vec::new();
+    let bytes = match storage {
+        Storage::F32 => bytemuck::cast_slice(values).to_vec(),
+        Storage::F16 => values
+            .iter()
+            .flat_map(|&v| f32_to_f16(v).to_le_bytes())
+            .collect(),
+        Storage::Byte => {
+            scales = vec![0.0_f32; period];
+            for group in values.chunks_exact(period) {
+                for (scale, v) in scales.iter_mut().zip(group) {
+                    *scale = scale.max(v.abs() / 127.0);
+                }
+            }
+            let packed = |(i, v): (usize, &f32)| {
+                let scale = scales[i % period];
+                let steps = if scale > 0.0 { v / scale } else { 0.0 };
+                (steps.round() as i8).to_le_bytes()[0]
+            };
+            values.iter().enumerate().map(packed).collect()
+        }
+    };
+    (bytes, scales)
+}
+
+/// The values again.
+pub(super) fn load(bytes: &[u8], scales: &[f32], storage: Storage) -> Vec<f32> {
+    match storage {
+        Storage::F32 => bytemuck::pod_collect_to_vec(bytes),
+        Storage::F16 => bytes
+            .par_chunks_exact(2)
+            .map(|b| f16_to_f32(u16::from_le_bytes([b[0], b[1]])))
+            .collect(),
+        Storage::Byte => bytes
+            .iter()
+            .enumerate()
+            .map(|(i, &b)| scales[i % scales.len()] * f32::from(i8::from_le_bytes([b])))
+            .collect(),
     }
 }
 
@@ -199,6 +206,8 @@ pub struct Light {
     pub vertices: u32,
     /// Sky and indirect light: levels of detail, finest first.
     pub transfer: Vec<StoredTransfer>,
+    /// The same for any view.
+    pub matrices: Option<StoredMatrices>,
     /// The sun.
     pub visibility: Option<VisibilityMaps>,
 }

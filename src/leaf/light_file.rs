@@ -6,7 +6,7 @@
 //! | 4 | version, little-endian |
 //! | 8 | length of the header |
 //! | .. | header: model, vertices, conventions, settings and the lengths of the blocks |
-//! | .. | transfer vectors, level after level; then the maps, one after the other |
+//! | .. | transfer vectors, level after level, then transfer matrices, then the maps, one after the other |
 //! | 32 | BLAKE3 of everything before |
 
 use std::path::Path;
@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::directions::Directions;
 use super::light::{Light, ModelKey, Storage, StoredTransfer, VisibilityMaps};
+use super::matrix::{Colours, StoredMatrices, matrix_floats};
 use super::prt::side_floats;
 use super::runs;
 use crate::math::sh::MAX_ORDER;
@@ -23,7 +24,7 @@ use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"umbrLGT\n";
 /// Changes whenever older files would be misread.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 /// Spherical harmonics of the vectors, for readers of the file.
 const CONVENTION: &str =
     "real, no Condon-Shortley sign, index l(l+1)+m, bands 0 to order - 1, pole +z of the model";
@@ -36,6 +37,7 @@ struct Header {
     convention: String,
     /// Levels of detail, finest first.
     transfer: Vec<TransferHeader>,
+    matrices: Option<MatrixHeader>,
     visibility: Option<MapsHeader>,
 }
 
@@ -43,6 +45,17 @@ struct Header {
 struct TransferHeader {
     storage: String,
     order: u32,
+    paths: u32,
+    edge: f32,
+    bytes: u64,
+    scales: Vec<f32>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct MatrixHeader {
+    storage: String,
+    order: u32,
+    colours: String,
     paths: u32,
     edge: f32,
     bytes: u64,
@@ -69,6 +82,7 @@ pub fn encode(light: &Light) -> Vec<u8> {
         vertices: light.vertices,
         convention: CONVENTION.to_owned(),
         transfer: light.transfer.iter().map(transfer_header).collect(),
+        matrices: light.matrices.as_ref().map(matrix_header),
         visibility: light.visibility.as_ref().map(|v| {
             let (cube_side, path) = match &v.directions {
                 Directions::Cube { side } => (Some(*side), Vec::new()),
@@ -93,6 +107,9 @@ pub fn encode(light: &Light) -> Vec<u8> {
     for t in &light.transfer {
         out.extend(&t.bytes);
     }
+    if let Some(m) = &light.matrices {
+        out.extend(&m.bytes);
+    }
     for map in light.visibility.iter().flat_map(|v| &v.maps) {
         out.extend(map);
     }
@@ -109,6 +126,18 @@ fn transfer_header(t: &StoredTransfer) -> TransferHeader {
         edge: t.edge,
         bytes: t.bytes.len() as u64,
         scales: t.scales.clone(),
+    }
+}
+
+fn matrix_header(m: &StoredMatrices) -> MatrixHeader {
+    MatrixHeader {
+        storage: m.storage.name().to_owned(),
+        order: m.order,
+        colours: m.colours.name().to_owned(),
+        paths: m.paths,
+        edge: m.edge,
+        bytes: m.bytes.len() as u64,
+        scales: m.scales.clone(),
     }
 }
 
@@ -177,6 +206,20 @@ pub fn decode(bytes: &[u8]) -> Result<Light, String> {
             })
         })
         .collect::<Result<Vec<_>, _>>()?;
+    let matrices = header
+        .matrices
+        .map(|m| {
+            Ok::<_, String>(StoredMatrices {
+                storage: Storage::parse(&m.storage).map_err(|e| damaged(&e))?,
+                order: m.order,
+                colours: Colours::parse(&m.colours).map_err(|e| damaged(&e))?,
+                bytes: block(m.bytes)?,
+                scales: m.scales,
+                paths: m.paths,
+                edge: m.edge,
+            })
+        })
+        .transpose()?;
     let visibility = header
         .visibility
         .map(|v| {
@@ -207,6 +250,7 @@ pub fn decode(bytes: &[u8]) -> Result<Light, String> {
         optics: unhex(&header.optics).ok_or_else(|| damaged(&"optics"))?,
         vertices: header.vertices,
         transfer,
+        matrices,
         visibility,
     };
     consistent(&light).map_err(|what| damaged(&what))?;
@@ -224,17 +268,18 @@ fn consistent(light: &Light) -> Result<(), &'static str> {
         if !(1..=MAX_ORDER as u32).contains(&t.order) {
             return Err("order of the transfer vectors");
         }
+        // One scale serves both sides.
         let floats = side_floats(t.order);
-        let width = t.storage.bytes() as usize;
-        let count = t.receivers();
-        // How many a level of detail keeps is known only with the model.
-        let fits = count == vertices || (t.edge > 0.0 && count < vertices);
-        if !fits || t.bytes.len() != 2 * count * floats * width {
-            return Err("size of the transfer vectors");
+        let stored = (&t.bytes[..], &t.scales[..], t.storage);
+        block_fits(stored, (2 * floats, floats), (vertices, t.edge))?;
+    }
+    if let Some(m) = &light.matrices {
+        if !(1..=MAX_ORDER as u32).contains(&m.order) {
+            return Err("order of the transfer matrices");
         }
-        if t.storage == Storage::Byte && t.scales.len() != floats {
-            return Err("number of scales");
-        }
+        let floats = matrix_floats(m.order, m.colours);
+        let stored = (&m.bytes[..], &m.scales[..], m.storage);
+        block_fits(stored, (floats, floats), (vertices, m.edge))?;
     }
     if let Some(v) = &light.visibility {
         let directions = match &v.directions {
@@ -245,6 +290,26 @@ fn consistent(light: &Light) -> Result<(), &'static str> {
         if directions != v.maps.len() || !v.maps.iter().all(whole) {
             return Err("visibility maps");
         }
+    }
+    Ok(())
+}
+
+/// Whether a block of transfer holds `floats` for each of as many vertices as its level may have,
+/// and the number of scales that its storage asks for.
+fn block_fits(
+    (bytes, scales, storage): (&[u8], &[f32], Storage),
+    (floats, period): (usize, usize),
+    (vertices, edge): (usize, f32),
+) -> Result<(), &'static str> {
+    let width = floats * storage.bytes() as usize;
+    let count = bytes.len() / width;
+    // How many a level of detail keeps is known only with the model.
+    let fits = count == vertices || (edge > 0.0 && count < vertices);
+    if !fits || bytes.len() != count * width {
+        return Err("size of the transfer");
+    }
+    if storage == Storage::Byte && scales.len() != period {
+        return Err("number of scales");
     }
     Ok(())
 }
@@ -275,11 +340,16 @@ mod tests {
             let values = values[..2 * vertices * side_floats(2)].to_vec();
             StoredTransfer::new(&Transfer { order: 2, values }, Storage::Byte, 64, edge)
         };
+        let floats = 3 * matrix_floats(2, Colours::Mono);
+        let elements: Vec<f32> = (0..floats).map(|i| i as f32 * 1e-2).collect();
+        let form = (2, Colours::Mono);
+        let matrices = StoredMatrices::new(&elements, form, Storage::F16, (64, 0.0));
         Light {
             model: [7; 32],
             optics: [9; 32],
             vertices: 3,
             transfer: vec![level(3, 0.0), level(2, 0.5), level(1, 2.0)],
+            matrices: Some(matrices),
             visibility: Some(VisibilityMaps {
                 directions: Directions::Path(vec![DVec3::Y, DVec3::X]),
                 splits: 0,

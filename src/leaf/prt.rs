@@ -6,6 +6,7 @@
 //! reaches the vertex from the sky at once) and the indirect part T^i (over other leaves) are
 //! kept apart: the sky takes both, the sun, whose direct light is found exactly, only T^i.
 
+use super::matrix::raw_floats;
 use super::rays::RayScene;
 use super::receivers::Receivers;
 use super::trace::{Query, RayBatch, Tracer};
@@ -43,6 +44,9 @@ pub struct PrtSettings {
     pub offset: f32,
     /// Rays of a batch.
     pub batch: u32,
+    /// Whether the gloss of the leaf that a vector belongs to counts as diffuse reflection; that of
+    /// leaves that paths meet always does.
+    pub gloss: bool,
 }
 
 impl Default for PrtSettings {
@@ -55,6 +59,7 @@ impl Default for PrtSettings {
             seed: 1,
             offset: 1e-5,
             batch: 1 << 18,
+            gloss: true,
         }
     }
 }
@@ -101,6 +106,33 @@ pub struct Snapshot {
     pub sums: Vec<f32>,
 }
 
+/// What the escapes of paths are added to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Gathered {
+    /// A vector for each side.
+    Vectors,
+    /// Matrices for each receiver (see [`super::matrix`]).
+    Matrices,
+}
+
+impl Gathered {
+    /// Sides from which paths start at a receiver.
+    const fn sides(self) -> u32 {
+        match self {
+            Self::Vectors => 2,
+            Self::Matrices => 1,
+        }
+    }
+
+    /// Floats of a receiver.
+    const fn floats(self, order: u32) -> usize {
+        match self {
+            Self::Vectors => 2 * side_floats(order),
+            Self::Matrices => raw_floats(order),
+        }
+    }
+}
+
 /// A precomputation on the device.
 #[derive(Debug)]
 pub struct Prt<'a> {
@@ -108,9 +140,12 @@ pub struct Prt<'a> {
     scene: &'a RayScene,
     tracer: Tracer,
     settings: PrtSettings,
+    gathered: Gathered,
     receivers: Buffer,
     faces: Buffer,
+    /// Of the leaves that paths meet, and of those that they start from.
     materials: Buffer,
+    own: Buffer,
     paths: Buffer,
     alive: Buffer,
     sums: Buffer,
@@ -132,7 +167,7 @@ pub struct Prt<'a> {
 }
 
 impl<'a> Prt<'a> {
-    /// Uploads what the kernels need.
+    /// Transfer vectors: uploads what the kernels need.
     ///
     /// # Errors
     /// Settings outside their range, or memory runs out.
@@ -141,6 +176,29 @@ impl<'a> Prt<'a> {
         scene: &'a RayScene,
         receivers: &Receivers,
         settings: PrtSettings,
+    ) -> Result<Self> {
+        Self::gathering(gpu, scene, receivers, settings, Gathered::Vectors)
+    }
+
+    /// Transfer matrices, as [`super::matrix::pack`] takes them: `settings.paths` for each receiver.
+    ///
+    /// # Errors
+    /// Settings outside their range, or memory runs out.
+    pub fn matrices(
+        gpu: &'a Gpu,
+        scene: &'a RayScene,
+        receivers: &Receivers,
+        settings: PrtSettings,
+    ) -> Result<Self> {
+        Self::gathering(gpu, scene, receivers, settings, Gathered::Matrices)
+    }
+
+    fn gathering(
+        gpu: &'a Gpu,
+        scene: &'a RayScene,
+        receivers: &Receivers,
+        settings: PrtSettings,
+        gathered: Gathered,
     ) -> Result<Self> {
         if settings.paths == 0 || settings.batch < 2 || settings.bounces == 0 {
             return Err(Error::usage(
@@ -151,9 +209,18 @@ impl<'a> Prt<'a> {
             return Err(Error::usage("the order of transfer must be 1 to 6"));
         }
         let count = receivers.points.len() as u32;
-        let side_bytes = 4 * side_floats(settings.order) as u64;
-        let fits = (gpu.info().limits.max_storage_range / (2 * side_bytes)) as u32;
+        let bytes = 4 * gathered.floats(settings.order) as u64;
+        let fits = (gpu.info().limits.max_storage_range / bytes) as u32;
         let chunk = count.min(settings.batch / 2).min(fits).max(1);
+        let [start, gather] = match gathered {
+            Gathered::Vectors => [shaders::PRT_START_COMP, shaders::PRT_GATHER_COMP],
+            Gathered::Matrices => [shaders::MATRIX_START_COMP, shaders::MATRIX_GATHER_COMP],
+        };
+        let own = if settings.gloss {
+            &receivers.transfer
+        } else {
+            &receivers.materials
+        };
         let buffer = |name: &str, bytes: u64| gpu.buffer(BufferInfo::device(name, bytes));
         let some = |v: &[[f32; 4]]| {
             if v.is_empty() {
@@ -167,17 +234,19 @@ impl<'a> Prt<'a> {
             receivers: gpu.upload("receivers", &receivers.points)?,
             faces: gpu.upload("faces", &some(&receivers.faces))?,
             materials: gpu.upload("leaf sides", &receivers.transfer)?,
+            own: gpu.upload("own leaf sides", own)?,
             paths: buffer("paths", 16 * u64::from(settings.batch))?,
             alive: buffer("paths alive", 4)?,
-            sums: buffer("transfer", 2 * side_bytes * u64::from(chunk))?,
+            sums: buffer("transfer", bytes * u64::from(chunk))?,
             rays: RayBatch::new(gpu, settings.batch)?,
-            start: gpu.compute_pipeline(shaders::PRT_START_COMP)?,
+            start: gpu.compute_pipeline(start)?,
             bounce: gpu.compute_pipeline(shaders::PRT_BOUNCE_COMP)?,
-            gather: gpu.compute_pipeline_with(shaders::PRT_GATHER_COMP, &[(0, settings.order)])?,
+            gather: gpu.compute_pipeline_with(gather, &[(0, settings.order)])?,
             sampler: gpu.sampler(&SamplerInfo::default())?,
             gpu,
             scene,
             settings,
+            gathered,
             count,
             chunk,
             first: 0,
@@ -187,15 +256,24 @@ impl<'a> Prt<'a> {
         })
     }
 
-    /// The transfer of all receivers.
+    /// Everything; `step` is called after every batch and may [`Prt::take`] what is done.
     ///
     /// # Errors
     /// What `step` says (an interrupted run), or the device fails.
-    pub fn all(&mut self, step: &mut dyn FnMut(&mut Self) -> Result<()>) -> Result<Transfer> {
+    pub fn run(&mut self, step: &mut dyn FnMut(&mut Self) -> Result<()>) -> Result<()> {
         while self.first < self.count {
             self.advance()?;
             step(self)?;
         }
+        Ok(())
+    }
+
+    /// The transfer vectors of all receivers.
+    ///
+    /// # Errors
+    /// What `step` says (an interrupted run), or the device fails.
+    pub fn all(&mut self, step: &mut dyn FnMut(&mut Self) -> Result<()>) -> Result<Transfer> {
+        self.run(step)?;
         Ok(Transfer {
             order: self.settings.order,
             values: self.take(),
@@ -211,19 +289,21 @@ impl<'a> Prt<'a> {
     #[must_use]
     pub fn step(&self) -> Step {
         let paths = u64::from(self.settings.paths);
-        let sides = 2 * u64::from(self.first);
+        let each = self.gathered.sides();
+        let sides = u64::from(each) * u64::from(self.first);
         Step {
             done: sides * paths + u64::from(self.sides()) * u64::from(self.sample),
-            all: 2 * u64::from(self.count) * paths,
+            all: u64::from(each) * u64::from(self.count) * paths,
         }
     }
 
-    fn side_floats(&self) -> usize {
-        side_floats(self.settings.order)
+    /// Floats of a receiver.
+    fn floats(&self) -> usize {
+        self.gathered.floats(self.settings.order)
     }
 
     fn sides(&self) -> u32 {
-        2 * self.chunk.min(self.count - self.first)
+        self.gathered.sides() * self.chunk.min(self.count - self.first)
     }
 
     /// Takes one more batch.
@@ -231,7 +311,7 @@ impl<'a> Prt<'a> {
         let sides = self.sides();
         let per_batch = (self.settings.batch / sides).clamp(1, SAMPLES_PER_BATCH);
         let batch = PrtBatch {
-            first_receiver: self.first,
+            first_side: self.gathered.sides() * self.first,
             sides,
             first_sample: self.sample,
             samples: per_batch.min(self.settings.paths - self.sample),
@@ -242,10 +322,17 @@ impl<'a> Prt<'a> {
         self.sample += batch.samples;
         if self.sample == self.settings.paths {
             let mut sums: Vec<f32> = self.gpu.read(&self.sums)?;
-            sums.truncate(sides as usize * self.side_floats());
-            let share = 1.0 / self.settings.paths as f32;
+            let receivers = sides / self.gathered.sides();
+            sums.truncate(receivers as usize * self.floats());
+            // Directions of vectors have the density of the cosine, those of matrices that of the
+            // sphere.
+            let all = match self.gathered {
+                Gathered::Vectors => 1.0,
+                Gathered::Matrices => 4.0 * std::f32::consts::PI,
+            };
+            let share = all / self.settings.paths as f32;
             self.values.extend(sums.iter().map(|v| v * share));
-            self.first += sides / 2;
+            self.first += receivers;
             self.sample = 0;
         }
         Ok(())
@@ -274,7 +361,7 @@ impl<'a> Prt<'a> {
     /// # Errors
     /// A snapshot of another size, or the device fails.
     pub fn restore(&mut self, snapshot: Snapshot) -> Result<()> {
-        let floats = 2 * self.side_floats();
+        let floats = self.floats();
         let fits = snapshot.values.len().is_multiple_of(floats)
             && snapshot.values.len() <= snapshot.receivers as usize * floats
             && snapshot.receivers <= self.count
@@ -298,18 +385,13 @@ impl<'a> Prt<'a> {
     fn batch(&mut self, batch: PrtBatch) -> Result<()> {
         let count = batch.sides * batch.samples;
         let mut work = self.gpu.work(QueueKind::Compute, "transfer")?;
-        work.compute(
-            "start paths",
-            &self.start,
-            &[
-                Binding::Read(&self.receivers),
-                Binding::Read(&self.materials),
-                Binding::StorageWrite(&self.rays.image),
-                Binding::Write(&self.paths),
-            ],
-            &batch,
-            [count, 1, 1],
-        )?;
+        let mut bindings = vec![Binding::Read(&self.receivers)];
+        if self.gathered == Gathered::Vectors {
+            bindings.push(Binding::Read(&self.own));
+        }
+        bindings.push(Binding::StorageWrite(&self.rays.image));
+        bindings.push(Binding::Write(&self.paths));
+        work.compute("start paths", &self.start, &bindings, &batch, [count, 1, 1])?;
         let mut alive = count;
         let mut number = 0;
         while alive > 0 {
@@ -348,6 +430,10 @@ impl<'a> Prt<'a> {
             number += 1;
             work = self.gpu.work(QueueKind::Compute, "transfer")?;
         }
+        let rows = match self.gathered {
+            Gathered::Vectors => 2,
+            Gathered::Matrices => self.settings.order.pow(2),
+        };
         work.compute(
             "gather",
             &self.gather,
@@ -357,7 +443,7 @@ impl<'a> Prt<'a> {
                 Binding::ReadWrite(&self.sums),
             ],
             &batch,
-            [2 * batch.sides, 1, 1],
+            [rows * batch.sides, 1, 1],
         )?;
         let done = work.submit()?.wait()?;
         self.tracer.times.extend_from_slice(done.passes());

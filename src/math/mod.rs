@@ -7,6 +7,7 @@ pub mod marching_cubes_table;
 pub mod packing;
 pub mod sampling;
 pub mod sh;
+pub mod sh_rotation;
 pub mod slab;
 pub mod special;
 pub mod stats;

@@ -13,6 +13,7 @@ pub mod lit;
 pub mod lit_shadow;
 pub mod lvc;
 pub mod marching_cubes;
+pub mod matrix;
 pub mod prt;
 pub mod rays;
 pub mod realign;

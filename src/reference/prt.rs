@@ -102,16 +102,31 @@ impl Scene<'_> {
             return None;
         }
         let u = even_numbers(global, sample, self.seed);
-        let (reflected, mut weight) = side.choose(u[2]);
+        let (reflected, weight) = side.choose(u[2]);
         let sign = if front == reflected { 1.0 } else { -1.0 };
-        let mut direction = around(sign * vector(receiver.normal), u[0], u[1]);
+        let direction = around(sign * vector(receiver.normal), u[0], u[1]);
+        let origin = self.origin(receiver, direction);
+        self.follow((origin, direction, weight), global, sample)
+    }
+
+    /// Where a ray starts from `receiver` into `direction`.
+    pub(super) fn origin(&self, receiver: &Receiver, direction: DVec3) -> DVec3 {
         let facing = vector(receiver.facing);
         let leaves = if direction.dot(facing) < 0.0 {
             -self.offset
         } else {
             self.offset
         };
-        let mut origin = vector(receiver.position) + leaves * facing;
+        vector(receiver.position) + leaves * facing
+    }
+
+    /// A path from its first ray on: whether it escaped late, where to and with which weight.
+    pub(super) fn follow(
+        &self,
+        (mut origin, mut direction, mut weight): (DVec3, DVec3, DVec3),
+        global: u32,
+        sample: u32,
+    ) -> Option<(usize, DVec3, DVec3)> {
         let key = path_key(global, sample, self.seed);
         for bounce in 0..self.bounces {
             let Some(hit) = self.triangles.nearest(origin, direction, 1e30, |_| true) else {

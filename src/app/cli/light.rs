@@ -133,6 +133,58 @@ pub enum SunDirections {
     None,
 }
 
+/// What of transfer is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum TransferKind {
+    /// Vectors of each side: exact for diffuse leaves, gloss counts as diffuse.
+    #[default]
+    Vector,
+    /// Matrices of each vertex (Wang et al. 2005): any reflection, by the view.
+    Matrix,
+    /// Vectors without gloss, and matrices for it.
+    Both,
+}
+
+impl TransferKind {
+    /// Whether vectors are computed.
+    #[must_use]
+    pub fn vectors(self) -> bool {
+        self != Self::Matrix
+    }
+
+    /// Whether matrices are computed.
+    #[must_use]
+    pub fn matrices(self) -> bool {
+        self != Self::Vector
+    }
+}
+
+/// Which transfer of a light file a picture takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum RenderTransfer {
+    /// Vectors for what is diffuse and matrices for gloss, or what there is.
+    #[default]
+    Auto,
+    /// Vectors.
+    Vector,
+    /// Matrices.
+    Matrix,
+}
+
+/// How transfer matrices reflect the surroundings in gloss.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum SkyGloss {
+    /// By the lobe of Wang et al. 2005, as the sun's gloss.
+    #[default]
+    Paper,
+    /// By that lobe with masking and shadowing, which keeps the energy.
+    Safe,
+    /// As diffuse reflection.
+    Diffuse,
+    /// Not at all.
+    None,
+}
+
 /// Where the sun stands.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sun")]
@@ -157,13 +209,19 @@ pub struct LightArgs {
     /// Paths of each side of each vertex, at most 16,777,216; 0 computes no transfer
     #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(0..=1 << 24))]
     pub paths: u32,
-    /// Bands of the transfer vectors, 1 to 6; the square of it are coefficients
+    /// Bands of the transfer, 1 to 6; the square of it are coefficients
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,
+    /// Vectors are exact for diffuse leaves and small; matrices also reflect the sky in gloss
+    #[arg(long, default_value = "vector")]
+    pub transfer: TransferKind,
+    /// Colours of transfer matrices: mono (as small as the paper's) or rgb
+    #[arg(long, default_value = "mono")]
+    pub matrix_colours: String,
     /// Bounces of a path at most, 1 to 65,536
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
     pub bounces: u32,
-    /// How transfer vectors are stored: f32, f16 or 8bit
+    /// How transfer vectors and matrices are stored: f32, f16 or 8bit
     #[arg(long, default_value = "f16")]
     pub storage: String,
     /// Distance of the vertices that keep transfer vectors, in diagonals of the model, 0 to 1; 0:
@@ -234,6 +292,7 @@ Examples:
   umbrage light oak.glb -o oak.light
   umbrage light oak.glb -o oak.light --paths 4096 --storage 8bit
   umbrage light oak.glb -o oak.light --lod 0,0.02,0.05        three levels of detail
+  umbrage light oak.glb -o oak.light --transfer both          the sky in glossy leaves
   umbrage light oak.glb -o oak.light --order 3 --paths 256   less of all: quicker, softer
   umbrage light oak.glb -o oak.light --directions cube        every direction of the sun
   umbrage light oak.glb -o oak.light --latitude 35 --day 80 --minutes 10
@@ -307,7 +366,13 @@ pub struct LitArgs {
     /// take light from everywhere as if it came straight down. For the sun, lamps and the truth
     #[arg(long)]
     pub directional: bool,
-    /// Bands of the transfer vectors that are used at most, 1 to 6
+    /// Which transfer of the light file is used
+    #[arg(long, default_value = "auto")]
+    pub transfer: RenderTransfer,
+    /// How transfer matrices reflect the surroundings in gloss
+    #[arg(long, default_value = "paper")]
+    pub sky_gloss: SkyGloss,
+    /// Bands of the transfer that are used at most, 1 to 6
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,
     /// Strength of the window against ringing on the sun's indirect light, 0 (none) to 1

@@ -3,11 +3,12 @@
 use std::time::Instant;
 
 use glam::DVec3;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::app::cli::BenchArgs;
 use crate::app::cli::light::OpticsArgs;
 use crate::app::lit::LitModel;
+use crate::app::report::Table;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
@@ -21,13 +22,14 @@ use crate::leaf::prt::{Prt, PrtSettings, Transfer};
 use crate::leaf::rays::RayScene;
 use crate::leaf::runs;
 use crate::leaf::shape::Shape;
+use crate::leaf::storage_error::{StorageError, storage_errors};
 use crate::render::RenderSettings;
 use crate::render::plan::human_bytes;
 use crate::scene::{Camera, Lens};
 use crate::{Error, Result};
 
 /// Paths of a side: enough to time, too few to look at.
-const PATHS: u32 = 16;
+const PATHS: u32 = 64;
 /// Splits of the mesh for visibility, as by default.
 const SPLITS: u32 = 2;
 
@@ -57,22 +59,48 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
         text: String::new(),
     };
     let transfer = bench.transfer()?;
+    let storage = bench.storage(&transfer);
     bench.frames(args, &transfer)?;
     let device = &gpu.info().name;
     let text = format!(
-        "light of {}: {} vertices, {} triangles, on {device}\n{}\n{}\n{}",
+        "light of {}: {} vertices, {} triangles, on {device}\n{}\n{}\n{}\n{}",
         args.input.input,
         lit.vertices(),
         lit.geometry.indices.len() / 3,
         bench.text,
+        storage_table(&storage),
         bench.passes.table(),
         bench.stages.table(),
     );
     let json = json!({
         "bench": "light", "model": args.input.input.to_string(), "vertices": lit.vertices(),
-        "device": device, "passes": bench.passes.json(), "stages": bench.stages.json(),
+        "storage": storage_rows(&storage), "device": device, "passes": bench.passes.json(), "stages": bench.stages.json(),
     });
     Ok(Report::new(text, json))
+}
+
+fn storage_table(errors: &[StorageError]) -> Table {
+    let mut table = Table::new(&["storage", "bytes", "error %", "of indirect sun %"]);
+    for e in errors {
+        let percent = |v: f64| format!("{:.3}", 100.0 * v);
+        let cells = [percent(e.all), percent(e.indirect)];
+        table.row(&[
+            &e.storage.name(),
+            &human_bytes(e.bytes),
+            &cells[0],
+            &cells[1],
+        ]);
+    }
+    table
+}
+
+fn storage_rows(errors: &[StorageError]) -> Vec<Value> {
+    let row = |e: &StorageError| {
+        json!({
+            "storage": e.storage.name(), "bytes": e.bytes, "all": e.all, "indirect": e.indirect,
+        })
+    };
+    errors.iter().map(row).collect()
 }
 
 struct Bench<'a> {
@@ -102,6 +130,13 @@ impl Bench<'_> {
             prt.traced as f64 / seconds * 1e-6
         );
         Ok(transfer)
+    }
+
+    /// What storing in fewer bits costs under the light of the frames.
+    fn storage(&self, transfer: &Transfer) -> Vec<StorageError> {
+        let film = self.film();
+        let sun = film.sun.coefficients(0.002);
+        storage_errors(transfer, &film.sky.coefficients(), &sun)
     }
 
     fn film(&self) -> Film {

@@ -1,5 +1,7 @@
 //! `umbrage light`: precomputes sky, light between leaves and soft shadows of the sun.
 
+mod matrix;
+
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -7,7 +9,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::app::cli::LightArgs;
-use crate::app::cli::light::SunDirections;
+use crate::app::cli::light::{SunDirections, TransferKind};
 use crate::app::lit::LitModel;
 use crate::app::output::{PendingFile, check_ending, write_atomically};
 use crate::app::report::Table;
@@ -20,6 +22,7 @@ use crate::leaf::environment::{Coefficients, Environment, Sun as SunLight};
 use crate::leaf::levels::{Level, LevelError, LevelSums};
 use crate::leaf::light::{Light, Lighting, Storage, StoredTransfer, VisibilityMaps};
 use crate::leaf::lvc::{Lvc, LvcSettings, SUN_RADIUS_DEGREES};
+use crate::leaf::matrix::Colours;
 use crate::leaf::prt::{Prt, PrtSettings, Snapshot, side_floats};
 use crate::leaf::rays::RayScene;
 use crate::leaf::{light_file, runs};
@@ -38,6 +41,10 @@ struct Job {
     /// Maps of an older file.
     kept: Option<VisibilityMaps>,
     storage: Storage,
+    /// Vectors, matrices or both.
+    transfer: TransferKind,
+    /// Colours of matrices.
+    colours: Colours,
     /// Levels of detail of the transfer vectors.
     levels: Vec<Level>,
     /// Light that levels are compared in: sky and sun.
@@ -116,6 +123,8 @@ impl Job {
             compared: compared(sun),
             lit,
             storage,
+            transfer: args.transfer,
+            colours: Colours::parse(&args.matrix_colours)?,
             directions,
             splits: args.splits,
             prt: PrtSettings {
@@ -124,6 +133,8 @@ impl Job {
                 bounces: args.bounces,
                 seed: args.seed,
                 offset: args.offset,
+                // Matrices add it by the view.
+                gloss: args.transfer != TransferKind::Both,
                 ..PrtSettings::default()
             },
             lvc: LvcSettings {
@@ -153,16 +164,14 @@ impl Job {
             (None, Some(directions)) => directions.all().len() as u64,
             _ => 0,
         };
-        let transfer = if self.prt.paths > 0 {
-            self.transfer_bytes()
-        } else {
-            0
-        };
+        let (vectors, matrices) = self.kinds();
+        let transfer = if vectors { self.transfer_bytes() } else { 0 };
+        let matrix_bytes = if matrices { self.matrix_bytes() } else { 0 };
         let triangles = self.lit.geometry.indices.len() as u64 / 3;
         // Three edges a triangle at most, each with a middle, and four times as many every time.
         let finer = vertices + triangles * (4u64.pow(self.splits) - 1);
         let maps = finer * directions;
-        let bytes = transfer + maps;
+        let bytes = transfer + matrix_bytes + maps;
         if bytes > args.max_bytes {
             return Err(Error::Unsupported(format!(
                 "{}: the light takes {} in memory ({} of transfer, {} of maps), --max-bytes allows \
@@ -174,12 +183,22 @@ impl Job {
                 human_bytes(args.max_bytes)
             )));
         }
+        let told = if matrices {
+            self.matrix_plan()
+        } else {
+            String::new()
+        };
         Ok(format!(
             "{vertices} vertices, {triangles} triangles ({} for rays)\n\
-             transfer: {} paths, {}\n\
+             transfer: {} paths, {}{told}\n\
              sun: {directions} directions, at most {finer} vertices, {} rays and more, up to {}",
             human_bytes(self.lit.occluders.bytes()),
-            2 * vertices * u64::from(self.prt.paths),
+            2 * vertices
+                * if vectors {
+                    u64::from(self.prt.paths)
+                } else {
+                    0
+                },
             human_bytes(transfer),
             maps * u64::from(self.lvc.samples.min(4)),
             human_bytes(maps),
@@ -189,12 +208,14 @@ impl Job {
     /// Hash of everything that the result depends on.
     fn hash(&self) -> [u8; 32] {
         let text = format!(
-            "{:?} {:?} {:?} {} {:?}",
+            "{:?} {:?} {:?} {} {:?} {:?} {:?}",
             self.prt,
             self.lvc,
             self.directions,
             self.splits,
-            self.levels.iter().map(|l| l.edge).collect::<Vec<_>>()
+            self.levels.iter().map(|l| l.edge).collect::<Vec<_>>(),
+            self.transfer,
+            self.colours,
         );
         let mut hash = blake3::Hasher::new();
         hash.update(&self.lit.key());
@@ -228,6 +249,8 @@ impl<'a> Run<'a> {
             job: hash,
             transfer: Snapshot::default(),
             levels: Vec::new(),
+            matrices: Snapshot::default(),
+            packed: Vec::new(),
             maps: Vec::new(),
         };
         if args.resume {
@@ -252,10 +275,16 @@ impl<'a> Run<'a> {
     }
 
     fn compute(&mut self) -> Result<Light> {
-        let transfer = if self.job.prt.paths > 0 {
+        let (vectors, matrices) = self.job.kinds();
+        let transfer = if vectors {
             self.transfer()?
         } else {
             Vec::new()
+        };
+        let matrices = if matrices {
+            Some(self.matrices()?)
+        } else {
+            None
         };
         let visibility = match (&self.job.kept, &self.job.directions) {
             (Some(kept), _) => Some(kept.clone()),
@@ -267,6 +296,7 @@ impl<'a> Run<'a> {
             optics: self.job.lit.optics_key(),
             vertices: self.job.lit.vertices() as u32,
             transfer,
+            matrices,
             visibility,
         })
     }
@@ -406,7 +436,9 @@ fn report(
     (bytes, done): (usize, &Done),
 ) -> Report {
     let rate = |rays: u64, seconds: f64| rays as f64 / seconds.max(1e-9) * 1e-6;
-    let transfer: u64 = light.transfer.iter().map(|t| t.bytes.len() as u64).sum();
+    let vectors = light.transfer.iter().map(|t| t.bytes.len() as u64);
+    let matrices = light.matrices.as_ref().map_or(0, |m| m.bytes.len() as u64);
+    let transfer = vectors.sum::<u64>() + matrices;
     let maps = light.visibility.as_ref().map_or(0, VisibilityMaps::bytes);
     let count = light.visibility.as_ref().map_or(0, |v| v.maps.len());
     let each = light.visibility.as_ref().map_or(0, |v| v.vertices);
@@ -444,7 +476,7 @@ fn report(
     let json = json!({
         "output": args.output, "bytes": bytes, "times": done.passes.json(), "vertices": light.vertices,
         "transfer": {
-            "bytes": transfer, "levels": levels, "rays": done.transfer_rays, "seconds": done.transfer_seconds,
+            "bytes": transfer, "matrix_bytes": matrices, "levels": levels, "rays": done.transfer_rays, "seconds": done.transfer_seconds,
         },
         "visibility": {
             "maps": count, "bytes": maps, "raw_bytes": raw, "rays": done.sun_rays,

@@ -1,5 +1,7 @@
 //! `umbrage render --lighting`: leaves under sun and sky.
 
+mod matrix;
+
 use glam::DVec3;
 use serde_json::{Value, json};
 
@@ -246,19 +248,33 @@ impl Job<'_> {
             Lighting::Ambient | Lighting::Shadow => return Ok(self.ambient()),
             _ => {}
         }
+        if let Some(radiance) = self.by_matrices(lighting)? {
+            return Ok(radiance);
+        }
+        self.by_vectors(lighting)
+    }
+
+    /// Whether transfer was computed for the leaves as they are now.
+    fn same_leaves(&self) -> Result<()> {
+        let made_for = self.light.as_ref().map(|l| l.optics);
+        if made_for != Some(self.lit.optics_key()) {
+            return Err(Error::usage(
+                "--light: its transfer is that of other leaves; `umbrage light --keep` \
+                 computes them again and keeps the sun's maps",
+            ));
+        }
+        Ok(())
+    }
+
+    /// The same by transfer vectors.
+    fn by_vectors(&mut self, lighting: Lighting) -> Result<Vec<[f32; 3]>> {
         let stored = self.light.as_ref().and_then(|l| l.transfer.first());
         let Some(stored) = stored else {
             return Err(Error::usage(
                 "--lighting: needs --light FILE with transfer vectors; `umbrage light` makes it",
             ));
         };
-        let made_for = self.light.as_ref().map(|l| l.optics);
-        if made_for != Some(self.lit.optics_key()) {
-            return Err(Error::usage(
-                "--light: its transfer vectors are those of other leaves; `umbrage light --keep` \
-                 computes them again and keeps the sun's maps",
-            ));
-        }
+        self.same_leaves()?;
         let transfer = self
             .timings
             .measure("unpack transfer", || stored.transfer());

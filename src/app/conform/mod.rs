@@ -14,6 +14,7 @@ mod leaf;
 mod light;
 mod lit;
 mod lit_shadow;
+mod matrix;
 mod render;
 mod skylight;
 mod truth;
@@ -99,5 +100,6 @@ pub fn cases() -> Vec<Case> {
     cases.extend(truth::cases());
     cases.extend(lit_shadow::cases());
     cases.extend(lamps::cases());
+    cases.extend(matrix::cases());
     cases
 }
