@@ -15,20 +15,20 @@ abi! {
         RAY_COLUMN_BITS: u32 = 10;
         /// Texels of a node of the hierarchy.
         RAY_NODE_TEXELS: u32 = 5;
-        /// Texels of a triangle: three corners.
-        RAY_TRIANGLE_TEXELS: u32 = 3;
-        /// Texels of a triangle in scenes with cutouts: texture coordinates too.
-        RAY_MASKED_TEXELS: u32 = 5;
+        /// Texels of a pair of triangles: four corners, numbers.
+        RAY_QUAD_TEXELS: u32 = 4;
+        /// Texels of a pair in scenes with cutouts: texture coordinates too.
+        RAY_MASKED_TEXELS: u32 = 6;
         /// Groups of nodes that wait for a ray at most; the host builds no deeper hierarchy.
         RAY_STACK: u32 = 24;
         /// Words of the state of an unfinished invocation.
-        RAY_STATE: u32 = 57;
+        RAY_STATE: u32 = 59;
         /// Number of no triangle.
         RAY_NOTHING: u32 = 0xffff_ffff;
         /// Largest reciprocal of a component of a direction.
         RAY_STEEP: f32 = 1e18;
-        /// Triangles taken in one round of the loop: 1 or 2.
-        RAY_TRIANGLES_PER_ROUND: u32 = 2;
+        /// Rounds after which an invocation looks whether its ray is done.
+        RAY_ROUNDS: u32 = 3;
         /// Rays of one invocation at most: `any_hit.comp` has a bit for each.
         RAY_PLACES: u32 = 32;
         /// Wrap modes of cutouts, in the order of `scene::Wrap`.

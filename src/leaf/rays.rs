@@ -6,10 +6,12 @@
 use glam::Vec3;
 
 use super::cutouts::Cutouts;
-use crate::abi::{RAY_COLUMN_BITS, RAY_MASKED_TEXELS, RAY_STACK, RAY_TRIANGLE_TEXELS};
-use crate::gpu::{Format, Gpu, Image, ImageInfo, QueueKind, Sampler, SamplerInfo};
+use crate::abi::{RAY_COLUMN_BITS, RAY_MASKED_TEXELS, RAY_QUAD_TEXELS, RAY_STACK};
+use crate::gpu::{Format, Gpu, Image, ImageInfo, QueueKind};
+use crate::math::quads::{self, Quad};
+use crate::math::sah::Bounds;
 use crate::math::wide_bvh::{Texel, WideBvh};
-use crate::scene::{Geometry, Model};
+use crate::scene::{Geometry, Model, Part};
 use crate::{Error, Result};
 
 /// Triangles of a model in the form of the kernels, on the host.
@@ -21,10 +23,10 @@ pub struct Occluders {
     pub indices: Vec<u32>,
     /// Metres to units of the diagonal.
     pub scale: f32,
-    /// The hierarchy.
+    /// The hierarchy over the pairs.
     pub bvh: WideBvh,
-    /// Texels of the triangles in the hierarchy's order.
-    pub triangles: Vec<Texel>,
+    /// Texels of the pairs of triangles in the hierarchy's order.
+    pub quads: Vec<Texel>,
     /// Alpha masks.
     pub cutouts: Cutouts,
 }
@@ -57,16 +59,22 @@ impl Occluders {
             1.0
         };
         let positions: Vec<Vec3> = geometry.positions.iter().map(|&p| scale * p).collect();
-        let bvh = WideBvh::new(&positions, &geometry.indices, RAY_STACK as usize);
         let mut out = Self {
             positions,
             indices: geometry.indices.clone(),
             scale,
-            bvh,
-            triangles: Vec::new(),
+            bvh: WideBvh::default(),
+            quads: Vec::new(),
             cutouts,
         };
-        out.triangles = out.pack(geometry);
+        let cutout_of = out.cutout_of_triangles(geometry);
+        let pairs = out.pair(geometry, &cutout_of);
+        let boxes: Vec<Bounds> = pairs.iter().map(|q| q.bounds(&out.positions)).collect();
+        out.bvh = WideBvh::new(&boxes, RAY_STACK as usize);
+        let order = out.bvh.order.iter();
+        out.quads = order
+            .flat_map(|&i| out.pack(geometry, pairs[i as usize], &cutout_of))
+            .collect();
         out
     }
 
@@ -76,30 +84,58 @@ impl Occluders {
         self.cutouts.any()
     }
 
-    fn pack(&self, geometry: &Geometry) -> Vec<Texel> {
-        let material_of: Vec<usize> = geometry
-            .parts
-            .iter()
-            .flat_map(|part| std::iter::repeat_n(part.material, part.index_count / 3))
-            .collect();
-        let mut out = Vec::new();
-        for &triangle in &self.bvh.order {
-            let corners = &self.indices[3 * triangle as usize..3 * triangle as usize + 3];
-            for &i in corners {
-                let p = self.positions[i as usize].to_array().map(f32::to_bits);
-                out.push([p[0], p[1], p[2], triangle]);
-            }
-            if self.masked() {
-                let material = material_of[triangle as usize];
-                let [m, n] = self.cutouts.transforms[material];
-                let uv = |k: usize| {
-                    let [u, v] = geometry.texcoords[corners[k] as usize];
-                    [m, n].map(|r| (r[0] * u + r[1] * v + r[2]).to_bits())
-                };
-                let ([a, b], [c, d], [e, f]) = (uv(0), uv(1), uv(2));
-                out.push([a, b, c, d]);
-                out.push([e, f, self.cutouts.of_material[material], 0]);
-            }
+    /// Record of the cutout, and material, of every triangle.
+    fn cutout_of_triangles(&self, geometry: &Geometry) -> Vec<(u32, usize)> {
+        let record = |material: usize| self.cutouts.of_material.get(material).copied();
+        let of_part = |part: &Part| (record(part.material).unwrap_or(0), part.material);
+        let parts = geometry.parts.iter();
+        parts
+            .flat_map(|part| std::iter::repeat_n(of_part(part), part.index_count / 3))
+            .collect()
+    }
+
+    fn pair(&self, geometry: &Geometry, cutout_of: &[(u32, usize)]) -> Vec<Quad> {
+        // Adding 0 makes -0 a 0.
+        let position = |i: u32| {
+            (self.positions[i as usize] + 0.0)
+                .to_array()
+                .map(f32::to_bits)
+        };
+        if !self.masked() {
+            return quads::pair(&self.positions, &self.indices, position, |_| 0);
+        }
+        // A pair shares texture coordinates where it shares a vertex.
+        let vertex = |i: u32| {
+            (
+                position(i),
+                geometry.texcoords[i as usize].map(f32::to_bits),
+            )
+        };
+        let material = |t: u32| cutout_of[t as usize].1 as u32;
+        quads::pair(&self.positions, &self.indices, vertex, material)
+    }
+
+    /// Texels of a pair: three corners, each with a coordinate of the fourth; the numbers of the
+    /// triangles and the record of their cutout; with cutouts, the texture coordinates.
+    fn pack(&self, geometry: &Geometry, pair: Quad, cutout_of: &[(u32, usize)]) -> Vec<Texel> {
+        let corner = |k: usize| self.positions[pair.corners[k] as usize].to_array();
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| corner(k).map(f32::to_bits));
+        let [first, second] = pair.triangles;
+        let (record, material) = cutout_of[first as usize];
+        let mut out = vec![
+            [a[0], a[1], a[2], d[0]],
+            [b[0], b[1], b[2], d[1]],
+            [c[0], c[1], c[2], d[2]],
+            [first, second, record, 0],
+        ];
+        if self.masked() {
+            let map = self.cutouts.transforms[material];
+            let uv = |k: usize| {
+                let [u, v] = geometry.texcoords[pair.corners[k] as usize];
+                map.map(|r| (r[0] * u + r[1] * v + r[2]).to_bits())
+            };
+            let ([a, b], [c, d], [e, f], [g, h]) = (uv(0), uv(1), uv(2), uv(3));
+            out.extend([[a, b, c, d], [e, f, g, h]]);
         }
         out
     }
@@ -108,7 +144,7 @@ impl Occluders {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let row = 16u64 << RAY_COLUMN_BITS;
-        [&self.bvh.nodes, &self.triangles, &self.cutouts.texels]
+        [&self.bvh.nodes, &self.quads, &self.cutouts.texels]
             .iter()
             .map(|t| (16 * t.len() as u64).div_ceil(row).max(1) * row)
             .sum()
@@ -119,10 +155,11 @@ impl Occluders {
 #[derive(Debug, Clone)]
 pub struct RayScene {
     pub(super) nodes: Image,
-    pub(super) triangles: Image,
+    pub(super) quads: Image,
     pub(super) cutouts: Image,
-    pub(super) sampler: Sampler,
     pub(super) masked: bool,
+    /// Levels of the hierarchy.
+    pub(super) depth: u32,
 }
 
 impl RayScene {
@@ -131,22 +168,22 @@ impl RayScene {
     /// # Errors
     /// More triangles than an image holds, or memory runs out.
     pub fn new(gpu: &Gpu, occluders: &Occluders) -> Result<Self> {
-        let per_triangle = if occluders.masked() {
+        let per_pair = if occluders.masked() {
             RAY_MASKED_TEXELS
         } else {
-            RAY_TRIANGLE_TEXELS
+            RAY_QUAD_TEXELS
         };
         debug_assert_eq!(
-            occluders.triangles.len(),
-            occluders.bvh.order.len() * per_triangle as usize,
-            "texels of the triangles"
+            occluders.quads.len(),
+            occluders.bvh.order.len() * per_pair as usize,
+            "texels of the pairs"
         );
         Ok(Self {
             nodes: image(gpu, "ray nodes", &occluders.bvh.nodes)?,
-            triangles: image(gpu, "ray triangles", &occluders.triangles)?,
+            quads: image(gpu, "ray quads", &occluders.quads)?,
             cutouts: image(gpu, "ray cutouts", &occluders.cutouts.texels)?,
-            sampler: gpu.sampler(&SamplerInfo::default())?,
             masked: occluders.masked(),
+            depth: occluders.bvh.depth as u32,
         })
     }
 }
@@ -166,7 +203,7 @@ pub(super) fn rows(gpu: &Gpu, name: &str, texels: usize) -> Result<u32> {
 
 fn image(gpu: &Gpu, name: &str, texels: &[Texel]) -> Result<Image> {
     let rows = rows(gpu, name, texels.len())?;
-    let info = ImageInfo::texture(name, Format::Rgba32Uint, [1 << RAY_COLUMN_BITS, rows], 1);
+    let info = ImageInfo::storage(name, Format::Rgba32Uint, [1 << RAY_COLUMN_BITS, rows]);
     let image = gpu.image(info)?;
     let mut all = texels.to_vec();
     all.resize((rows as usize) << RAY_COLUMN_BITS, [0; 4]);

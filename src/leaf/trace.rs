@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 use super::rays::{RayScene, rows};
 use crate::Result;
-use crate::abi::{RAY_COLUMN_BITS, RAY_NOTHING, RAY_PLACES, RAY_STATE, TraceRays};
+use crate::abi::{RAY_COLUMN_BITS, RAY_NOTHING, RAY_PLACES, RAY_STACK, RAY_STATE, TraceRays};
 use crate::gpu::shaders::leaf as shaders;
 use crate::gpu::{
     Binding, Buffer, BufferInfo, ComputePipeline, Format, Gpu, Image, ImageInfo, PassTime,
-    QueueKind, Sampler, SamplerInfo, Work,
+    QueueKind, Work,
 };
 
 /// What is asked of a ray.
@@ -44,8 +44,8 @@ pub struct NearestHit {
 }
 
 /// Rounds of the loop an invocation takes in one dispatch. Mesa's software driver ends the loops
-/// of an invocation, all together, after 65,535.
-pub const ROUNDS: u32 = 32_768;
+/// of an invocation, all together, after 65,535 rounds, the outer ones counted too.
+pub const ROUNDS: u32 = 24_576;
 /// Fewer invocations than this leave a device idle.
 const ENOUGH_INVOCATIONS: u32 = 8192;
 
@@ -131,8 +131,8 @@ impl Split {
 #[derive(Debug)]
 pub struct Tracer {
     gpu: Gpu,
-    sampler: Sampler,
-    pipelines: HashMap<(Query, bool), ComputePipeline>,
+    /// By query, masks and waiting groups.
+    pipelines: HashMap<(Query, bool, u32), ComputePipeline>,
     /// Rounds a dispatch may take; tests lower it to see rays resumed.
     pub rounds: u32,
     /// Device times of all traces so far.
@@ -147,15 +147,17 @@ impl Tracer {
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self {
             gpu: gpu.clone(),
-            sampler: gpu.sampler(&SamplerInfo::default())?,
             pipelines: HashMap::new(),
             rounds: ROUNDS,
             times: Vec::new(),
         })
     }
 
-    fn pipeline(&mut self, query: Query, masked: bool) -> Result<ComputePipeline> {
-        if let Some(pipeline) = self.pipelines.get(&(query, masked)) {
+    fn pipeline(&mut self, query: Query, scene: &RayScene) -> Result<ComputePipeline> {
+        // A group less than levels can wait; in steps, so that few kernels are compiled.
+        let stack = (scene.depth - 1).next_multiple_of(4).clamp(4, RAY_STACK);
+        let key = (query, scene.masked, stack);
+        if let Some(pipeline) = self.pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
         let shader = match query {
@@ -164,8 +166,8 @@ impl Tracer {
         };
         let pipeline = self
             .gpu
-            .compute_pipeline_with(shader, &[(0, u32::from(masked))])?;
-        self.pipelines.insert((query, masked), pipeline.clone());
+            .compute_pipeline_with(shader, &[(0, u32::from(scene.masked)), (1, stack)])?;
+        self.pipelines.insert(key, pipeline.clone());
         Ok(pipeline)
     }
 
@@ -183,7 +185,7 @@ impl Tracer {
         query: Query,
     ) -> Result<()> {
         assert!(count <= batch.capacity, "{count} rays into {batch:?}");
-        let pipeline = self.pipeline(query, scene.masked)?;
+        let pipeline = self.pipeline(query, scene)?;
         let mut work = match work {
             Some(work) => work,
             None => self.gpu.work(QueueKind::Compute, "rays")?,
@@ -222,10 +224,10 @@ impl Tracer {
             "trace",
             pipeline,
             &[
-                Binding::Sampled(&scene.nodes, &scene.sampler),
-                Binding::Sampled(&scene.triangles, &scene.sampler),
-                Binding::Sampled(&scene.cutouts, &scene.sampler),
-                Binding::Sampled(&batch.image, &self.sampler),
+                Binding::StorageRead(&scene.nodes),
+                Binding::StorageRead(&scene.quads),
+                Binding::StorageRead(&scene.cutouts),
+                Binding::StorageRead(&batch.image),
                 Binding::ReadWrite(&batch.hits),
                 Binding::ReadWrite(&batch.states),
                 Binding::ReadWrite(&batch.unfinished),

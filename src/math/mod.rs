@@ -5,6 +5,8 @@ pub mod colour;
 pub mod kd_tree;
 pub mod marching_cubes_table;
 pub mod packing;
+pub mod quads;
+pub mod sah;
 pub mod sampling;
 pub mod sh;
 pub mod sh_rotation;

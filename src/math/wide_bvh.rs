@@ -7,40 +7,40 @@
 
 use glam::{DVec3, Vec3};
 
-use super::bvh::{Bvh, Limits, Node};
+use super::sah::{self, Bounds, Limits, Node};
 
 /// Texels of four words, as the kernels fetch them.
 pub type Texel = [u32; 4];
 
 /// Children of a node.
 const WIDTH: usize = 8;
-/// Triangles of a leaf: three bits say which there are.
+/// Objects of a leaf: three bits say which there are.
 const LEAF: usize = 3;
 /// Boxes grow by this share of the unit in which positions are given, against the rounding of
 /// the slab test: origins lie within a few units.
-const PAD: f64 = 1.0 / (1u64 << 20) as f64;
+const PAD: f64 = 1.0 / (1u64 << 19) as f64;
 
 /// A hierarchy ready for upload.
 #[derive(Debug, Clone, Default)]
 pub struct WideBvh {
-    /// Five texels a node: corner and exponents; first child, first triangle and what the
+    /// Five texels a node: corner and exponents; first child, first object and what the
     /// children are; bytes of the low x, low y; low z, high x; high y, high z.
     pub nodes: Vec<Texel>,
-    /// Original number of each triangle, in the order of the leaves.
+    /// Number of each object, in the order of the leaves.
     pub order: Vec<u32>,
     /// Levels of nodes: no more groups ever wait for a ray.
     pub depth: usize,
 }
 
 impl WideBvh {
-    /// A hierarchy of at most `max_depth` levels over the triangles of `indices`. Positions are
-    /// in units of about the scene's size.
+    /// A hierarchy of at most `max_depth` levels over the objects in `boxes`, in units of about
+    /// the scene's size.
     ///
     /// # Panics
-    /// When `max_depth` is less than a balanced hierarchy of this many triangles has.
+    /// When `max_depth` is less than a balanced hierarchy of this many objects has.
     #[must_use]
-    pub fn new(positions: &[Vec3], indices: &[u32], max_depth: usize) -> Self {
-        if indices.len() < 3 {
+    pub fn new(boxes: &[Bounds], max_depth: usize) -> Self {
+        if boxes.is_empty() {
             return Self::empty();
         }
         // Where the heuristic gives a hierarchy too deep for the stack, it ends earlier.
@@ -49,16 +49,13 @@ impl WideBvh {
                 leaf_size: LEAF,
                 sah_depth,
             };
-            let bvh = Bvh::with_limits(positions, indices, limits);
-            let wide = Self::collapse(&bvh);
+            let (nodes, order) = sah::build(boxes, limits);
+            let wide = Self::collapse(&nodes, &order);
             if wide.depth <= max_depth {
                 return wide;
             }
         }
-        panic!(
-            "{} triangles do not fit {max_depth} levels",
-            indices.len() / 3
-        );
+        panic!("{} objects do not fit {max_depth} levels", boxes.len());
     }
 
     /// One node without children.
@@ -70,42 +67,42 @@ impl WideBvh {
         }
     }
 
-    fn collapse(bvh: &Bvh) -> Self {
+    fn collapse(binary: &[Node], order: &[u32]) -> Self {
         let mut out = Self {
             nodes: vec![[0; 4]; 5],
-            order: Vec::with_capacity(bvh.order.len()),
+            order: Vec::with_capacity(order.len()),
             depth: 0,
         };
         // Binary node, wide node and level of what is still to be written.
         let mut open = vec![(0u32, 0usize, 1usize)];
-        while let Some((binary, wide, level)) = open.pop() {
+        while let Some((node, wide, level)) = open.pop() {
             out.depth = out.depth.max(level);
-            let children = places(&bvh.nodes, binary);
+            let children = places(binary, node);
             let first_child = out.nodes.len() / 5;
             let inner: Vec<u32> = children
                 .iter()
                 .flatten()
                 .copied()
-                .filter(|&c| bvh.nodes[c as usize].count == 0)
+                .filter(|&c| binary[c as usize].count == 0)
                 .collect();
             for (i, &child) in inner.iter().enumerate() {
                 open.push((child, first_child + i, level + 1));
                 out.nodes.extend([[0; 4]; 5]);
             }
-            out.write(bvh, wide, &children, first_child);
+            out.write((binary, order), wide, &children, first_child);
         }
         out
     }
 
-    /// Writes node `wide` and appends the triangles of its leaves.
+    /// Writes node `wide` and appends the objects of its leaves.
     fn write(
         &mut self,
-        bvh: &Bvh,
+        (binary, order): (&[Node], &[u32]),
         wide: usize,
         children: &[Option<u32>; WIDTH],
         first_child: usize,
     ) {
-        let boxes = children.map(|c| c.map(|c| padded(&bvh.nodes[c as usize])));
+        let boxes = children.map(|c| c.map(|c| padded(&binary[c as usize])));
         let all = boxes
             .iter()
             .flatten()
@@ -114,14 +111,14 @@ impl WideBvh {
             });
         let (corner, exponents) = grid(all);
         let scale = exponents.map(|e| 2.0_f64.powi(e));
-        let first_triangle = self.order.len();
+        let first_object = self.order.len();
         let (mut about, mut low, mut high) = ([0u8; WIDTH], [[255u8; WIDTH]; 3], [[0u8; WIDTH]; 3]);
         let mut holds_nodes = 0u32;
         for (place, child) in children.iter().enumerate() {
             let (Some(child), Some(bounds)) = (child, boxes[place]) else {
                 continue;
             };
-            let node = &bvh.nodes[*child as usize];
+            let node = &binary[*child as usize];
             for k in 0..3 {
                 let at = |v: DVec3| (v[k] - f64::from(corner[k])) / scale[k];
                 low[k][place] = at(bounds.0).floor().clamp(0.0, 255.0) as u8;
@@ -131,9 +128,9 @@ impl WideBvh {
                 holds_nodes |= 1 << place;
                 1 << 5 | (24 + place) as u8
             } else {
-                let offset = (self.order.len() - first_triangle) as u8;
+                let offset = (self.order.len() - first_object) as u8;
                 let range = node.first as usize..(node.first + node.count) as usize;
-                self.order.extend_from_slice(&bvh.order[range]);
+                self.order.extend_from_slice(&order[range]);
                 ((1 << node.count) - 1) << 5 | offset
             };
         }
@@ -151,7 +148,7 @@ impl WideBvh {
         let [m0, m1] = words(about);
         self.nodes[5 * wide..5 * wide + 5].copy_from_slice(&[
             [x, y, z, e],
-            [first_child as u32, first_triangle as u32, m0, m1],
+            [first_child as u32, first_object as u32, m0, m1],
             pair(low[0], low[1]),
             pair(low[2], high[0]),
             pair(high[1], high[2]),
@@ -160,7 +157,7 @@ impl WideBvh {
 }
 
 fn padded(node: &Node) -> (DVec3, DVec3) {
-    let (min, max) = (node.min.as_dvec3(), node.max.as_dvec3());
+    let (min, max) = (node.bounds.min.as_dvec3(), node.bounds.max.as_dvec3());
     (min - PAD, max + PAD)
 }
 
@@ -186,11 +183,7 @@ fn places(nodes: &[Node], root: u32) -> [Option<u32>; WIDTH] {
     let mut chosen = vec![root];
     if nodes[root as usize].count == 0 {
         while chosen.len() < WIDTH {
-            let area = |c: u32| {
-                let n = &nodes[c as usize];
-                let e = n.max - n.min;
-                e.x * e.y + e.y * e.z + e.z * e.x
-            };
+            let area = |c: u32| nodes[c as usize].bounds.half_area();
             let inner = (0..chosen.len()).filter(|&i| nodes[chosen[i] as usize].count == 0);
             let Some(largest) = inner.max_by(|&i, &j| area(chosen[i]).total_cmp(&area(chosen[j])))
             else {
@@ -200,7 +193,7 @@ fn places(nodes: &[Node], root: u32) -> [Option<u32>; WIDTH] {
             chosen.extend([first, first + 1]);
         }
     }
-    let centre = |c: u32| nodes[c as usize].min + nodes[c as usize].max;
+    let centre = |c: u32| nodes[c as usize].bounds.min + nodes[c as usize].bounds.max;
     let middle = chosen.iter().map(|&c| centre(c)).sum::<Vec3>() / chosen.len() as f32;
     // The best pair of a child and a place first: place k is on the high side of axis i where
     // bit i of k is set.

@@ -113,7 +113,7 @@ fn measure(
 
 fn report(gpu: &Gpu, args: &BenchArgs, solid: &Occluders, build: f64, rows: &[Row]) -> Report {
     let triangles = solid.indices.len() / 3;
-    let nodes = solid.bvh.nodes.len() / 5;
+    let (nodes, pairs) = (solid.bvh.nodes.len() / 5, solid.bvh.order.len());
     let mut table = Table::new(&["query", "triangles", "Mrays/s", "hits"]);
     let mut json_rows: Vec<Value> = Vec::new();
     for row in rows {
@@ -129,7 +129,7 @@ fn report(gpu: &Gpu, args: &BenchArgs, solid: &Occluders, build: f64, rows: &[Ro
         }));
     }
     let text = format!(
-        "rays through {}: {triangles} triangles, {nodes} nodes on {} levels, built in {build:.2} s\n\
+        "rays through {}: {triangles} triangles in {pairs} pairs, {nodes} nodes on {} levels, built in {build:.2} s\n\
          {RAYS} rays a run on {}, median of {} runs\n\n{table}",
         args.input.input,
         solid.bvh.depth,
@@ -138,7 +138,7 @@ fn report(gpu: &Gpu, args: &BenchArgs, solid: &Occluders, build: f64, rows: &[Ro
     );
     let json = json!({
         "bench": "rays", "model": args.input.input.to_string(), "triangles": triangles,
-        "nodes": nodes, "levels": solid.bvh.depth, "build_seconds": build, "rays": RAYS,
+        "pairs": pairs, "nodes": nodes, "levels": solid.bvh.depth, "build_seconds": build, "rays": RAYS,
         "device": gpu.info().name, "rows": json_rows,
     });
     Report::new(text, json)
