@@ -73,7 +73,7 @@ fn seen(lamp: &Lamp, place: DVec3) -> (DVec3, DVec3) {
 mod tests {
     use super::*;
 
-    /// Transfer of the constant band alone: irradiance times Y_0, on the side that has it.
+    /// Transfer of the constant band alone: irradiance times `Y_0`, on the side that has it.
     #[test]
     fn a_lamp_is_a_distant_light_of_its_irradiance() {
         let lamp = Lamp::parse("disc:0,4,0/0,-1,0/0.01/8").unwrap();

@@ -3,11 +3,10 @@
 use std::io::Cursor;
 
 use image::{
-    DynamicImage, ExtendedColorType, ImageBuffer, ImageEncoder, ImageFormat, ImageReader, Limits,
-    Rgba,
+    DynamicImage, ExtendedColorType, ImageBuffer, ImageEncoder, ImageFormat, ImageReader, Rgba,
 };
 
-use super::textures::MAX_SIDE;
+use super::textures::limits;
 use crate::math::colour::srgb_to_linear;
 use crate::{Error, Result};
 
@@ -44,18 +43,14 @@ impl FloatImage {
     /// Decodes PNG (8 or 16 bits), JPEG, EXR or HDR; `name` is for messages.
     ///
     /// # Errors
-    /// Another format, damage, or more than [`MAX_SIDE`] pixels across or down.
+    /// Another format, damage, or more than [`super::textures::MAX_SIDE`] pixels across or down.
     pub fn decode(name: &str, bytes: &[u8], transfer: Transfer) -> Result<Self> {
         let damaged =
             |e: image::ImageError| Error::file(name, format!("the image cannot be decoded: {e}"));
         let format = image::guess_format(bytes)
             .map_err(|_| Error::file(name, "the image is neither PNG, JPEG, EXR nor HDR"))?;
         let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(MAX_SIDE);
-        limits.max_image_height = Some(MAX_SIDE);
-        limits.max_alloc = Some(MAX_BYTES);
-        reader.limits(limits);
+        reader.limits(limits(MAX_BYTES));
         let image: DynamicImage = reader.decode().map_err(damaged)?;
         let decode =
             matches!(format, ImageFormat::Png | ImageFormat::Jpeg) && transfer == Transfer::Srgb;

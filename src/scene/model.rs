@@ -34,6 +34,28 @@ pub struct Model {
     pub source: Option<Arc<super::gltf_document::GltfDocument>>,
 }
 
+impl Model {
+    /// A model of one mesh, at its own place.
+    #[must_use]
+    pub fn of_mesh(name: &str, primitives: Vec<Primitive>, materials: Vec<Material>) -> Self {
+        Self {
+            name: name.to_owned(),
+            meshes: vec![Mesh {
+                name: name.to_owned(),
+                primitives,
+            }],
+            instances: vec![Instance {
+                name: name.to_owned(),
+                mesh: 0,
+                local_to_world: DAffine3::IDENTITY,
+                source: None,
+            }],
+            materials,
+            ..Self::default()
+        }
+    }
+}
+
 /// Primitives that share a node.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {

@@ -131,16 +131,21 @@ fn decoder(bytes: &[u8]) -> Result<impl ImageDecoder + '_, String> {
         None => return Err("the image is neither PNG nor JPEG".into()),
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_BYTES);
-    reader.limits(limits);
+    reader.limits(limits(MAX_BYTES));
     let decoder = reader.into_decoder().map_err(undecodable)?;
     match decoder.dimensions() {
         (0, _) | (_, 0) => Err("the image has no pixels".into()),
         _ => Ok(decoder),
     }
+}
+
+/// What a decoder may do: [`MAX_SIDE`] pixels along a side, `bytes` of memory.
+pub(super) fn limits(bytes: u64) -> Limits {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(bytes);
+    limits
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "the form that map_err takes")]

@@ -7,8 +7,7 @@ use umbrage::foliage::cutout::opaque_shares;
 use umbrage::foliage::traced::{Occluders, Rays, Weighting};
 use umbrage::math::sampling::{fibonacci_directions, uniform, uniform_sphere};
 use umbrage::scene::{
-    AlphaMode, Geometry, ImageSource, Instance, Material, Mesh, Model, Primitive, Texture,
-    TextureRef,
+    AlphaMode, Geometry, ImageSource, Material, Model, Primitive, Texture, TextureRef,
 };
 
 use super::foliage_field::ball_cloud;
@@ -20,24 +19,12 @@ const RAYS: Rays = Rays {
 };
 
 fn model(positions: Vec<[f32; 3]>, indices: Vec<u32>) -> Model {
-    Model {
-        meshes: vec![Mesh {
-            name: "mesh".into(),
-            primitives: vec![Primitive {
-                positions,
-                indices,
-                ..Default::default()
-            }],
-        }],
-        materials: vec![Material::default()],
-        instances: vec![Instance {
-            name: "node".into(),
-            mesh: 0,
-            local_to_world: DAffine3::IDENTITY,
-            source: None,
-        }],
+    let solid = vec![Primitive {
+        positions,
+        indices,
         ..Default::default()
-    }
+    }];
+    Model::of_mesh("mesh", solid, vec![Material::default()])
 }
 
 /// A square of side 2 at height 0.

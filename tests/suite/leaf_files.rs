@@ -279,7 +279,7 @@ fn materials_become_leaves() {
 }
 
 /// What `light` makes of a material is what `leaf` does: `(1 - f) base` and `f tint`, as
-/// KHR_materials_diffuse_transmission defines them, over what is visible of the texture.
+/// `KHR_materials_diffuse_transmission` defines them, over what is visible of the texture.
 #[test]
 fn light_and_leaf_read_materials_alike() {
     use umbrage::leaf::optics::Optics;

@@ -12,9 +12,7 @@ use umbrage::leaf::truth::{self, Truth};
 use umbrage::math::sampling::{fibonacci_directions, uniform};
 use umbrage::math::sh;
 use umbrage::math::slab::{Incidence, solve};
-use umbrage::scene::{
-    Camera, CameraSpec, Geometry, Instance, Lens, Material, Mesh, Model, Primitive,
-};
+use umbrage::scene::{Camera, CameraSpec, Geometry, Lens, Material, Model, Primitive};
 
 use super::fixture;
 
@@ -24,20 +22,9 @@ fn model(primitives: Vec<Primitive>, at: DAffine3) -> Model {
     let primitives = (0..)
         .zip(primitives)
         .map(|(material, p)| Primitive { material, ..p });
-    Model {
-        meshes: vec![Mesh {
-            name: "mesh".into(),
-            primitives: primitives.collect(),
-        }],
-        instances: vec![Instance {
-            name: "instance".into(),
-            mesh: 0,
-            local_to_world: at,
-            source: None,
-        }],
-        materials,
-        ..Model::default()
-    }
+    let mut out = Model::of_mesh("mesh", primitives.collect(), materials);
+    out.instances[0].local_to_world = at;
+    out
 }
 
 /// Adds a square of half edge `half` about `centre`; its front looks along `n`.

@@ -12,7 +12,7 @@ use umbrage::leaf::rays::{Occluders, RayScene};
 use umbrage::leaf::receivers::Receivers;
 use umbrage::leaf::trace::{Ray, Tracer};
 use umbrage::math::sampling::fibonacci_directions;
-use umbrage::scene::{Geometry, Instance, Material, Mesh, Model, Primitive};
+use umbrage::scene::{Geometry, Material, Model, Primitive};
 
 use super::fixture;
 
@@ -30,20 +30,7 @@ fn kernels_agree_with_their_twins() {
 
 /// A model of one mesh.
 fn of(primitive: Primitive) -> Model {
-    Model {
-        meshes: vec![Mesh {
-            name: "mesh".into(),
-            primitives: vec![primitive],
-        }],
-        instances: vec![Instance {
-            name: "instance".into(),
-            mesh: 0,
-            local_to_world: glam::DAffine3::IDENTITY,
-            source: None,
-        }],
-        materials: vec![Material::default()],
-        ..Model::default()
-    }
+    Model::of_mesh("mesh", vec![primitive], vec![Material::default()])
 }
 
 /// Horizontal squares of edge 2 at some heights, each of `cells` x `cells` quads, front up.

@@ -7,7 +7,7 @@ use umbrage::render::{
     Background, Baked, CameraSpec, Channel, GBuffer, Picture, Plan, RenderSettings, Renderer,
     Subject, View,
 };
-use umbrage::scene::{Geometry, Instance, Mesh, Model, Primitive};
+use umbrage::scene::{Geometry, Model, Primitive};
 
 use crate::fixture;
 use crate::render_plan::card;
@@ -20,25 +20,13 @@ fn place(model: &mut Model, local_to_world: DAffine3) {
 
 /// A square of edge 2 in the plane z = 0, facing +z, with its middle at the origin.
 fn square() -> Model {
-    Model {
-        meshes: vec![Mesh {
-            name: "square".into(),
-            primitives: vec![Primitive {
-                positions: vec![[-1., -1., 0.], [1., -1., 0.], [-1., 1., 0.], [1., 1., 0.]],
-                normals: vec![[0.0, 0.0, 1.0]; 4],
-                indices: vec![0, 1, 2, 2, 1, 3],
-                ..Primitive::default()
-            }],
-        }],
-        instances: vec![Instance {
-            name: "square".into(),
-            mesh: 0,
-            local_to_world: DAffine3::IDENTITY,
-            source: None,
-        }],
-        materials: vec![umbrage::scene::Material::default()],
-        ..Model::default()
-    }
+    let square = vec![Primitive {
+        positions: vec![[-1., -1., 0.], [1., -1., 0.], [-1., 1., 0.], [1., 1., 0.]],
+        normals: vec![[0.0, 0.0, 1.0]; 4],
+        indices: vec![0, 1, 2, 2, 1, 3],
+        ..Primitive::default()
+    }];
+    Model::of_mesh("square", square, vec![umbrage::scene::Material::default()])
 }
 
 fn plain(size: [u32; 2]) -> RenderSettings {

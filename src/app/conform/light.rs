@@ -17,8 +17,7 @@ use crate::reference::lvc::visibility;
 use crate::reference::prt::Scene;
 use crate::reference::rays::Triangles;
 use crate::scene::{
-    AlphaMode, Geometry, ImageSource, Instance, Material, Mesh, Model, Primitive, Texture,
-    TextureRef,
+    AlphaMode, Geometry, ImageSource, Material, Model, Primitive, Texture, TextureRef,
 };
 
 pub(super) fn cases() -> Vec<Case> {
@@ -39,21 +38,7 @@ pub(super) fn cases() -> Vec<Case> {
 
 /// A model of one mesh with white, opaque material.
 pub(super) fn model(primitive: Primitive) -> Model {
-    Model {
-        name: "conformance".into(),
-        meshes: vec![Mesh {
-            name: "mesh".into(),
-            primitives: vec![primitive],
-        }],
-        instances: vec![Instance {
-            name: "instance".into(),
-            mesh: 0,
-            local_to_world: glam::DAffine3::IDENTITY,
-            source: None,
-        }],
-        materials: vec![Material::default()],
-        ..Model::default()
-    }
+    Model::of_mesh("conformance", vec![primitive], vec![Material::default()])
 }
 
 fn random_point(seed: u32, i: u32) -> Vec3 {

@@ -375,20 +375,8 @@ fn shadow(gpu: &Gpu, shadow_fit: ShadowFit) -> Result<Outcome> {
         indices: vec![0, 2, 1, 1, 2, 3],
         ..Primitive::default()
     };
-    let model = Model {
-        meshes: vec![Mesh {
-            name: "box".into(),
-            primitives: vec![quad(4.0, 0.0), quad(1.0, 1.0)],
-        }],
-        instances: vec![Instance {
-            name: "box".into(),
-            mesh: 0,
-            local_to_world: DAffine3::IDENTITY,
-            source: None,
-        }],
-        materials: vec![Material::default()],
-        ..Model::default()
-    };
+    let quads = vec![quad(4.0, 0.0), quad(1.0, 1.0)];
+    let model = Model::of_mesh("box", quads, vec![Material::default()]);
     let geometry = Geometry::flatten(&model);
     let subject = Subject::new(&model, &geometry);
     let mut settings = RenderSettings {
