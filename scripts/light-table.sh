@@ -50,6 +50,8 @@ echo '| lighting | bias % | RMSE % | blocks % | frame ms | new sun ms | vectors 
 echo '|---|--:|--:|--:|--:|--:|--:|--:|'
 light whole --paths "$paths_whole" --directions sun
 row 'hard shadows, constant for the rest' whole ambient
+row 'shadow map, constant for the rest' whole shadow
+row 'shadow map and transfer' whole shadow-prt
 row 'transfer alone, order 5' whole prt
 for order in 1 2 3 4 5; do
     row "transfer of order $order and visibility" whole leaf --order "$order"

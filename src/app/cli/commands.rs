@@ -99,7 +99,8 @@ Examples:
   umbrage render Tree_3.obj -o tree.png --texture Tree_Bark=bark.jpg
   umbrage render wood.toml -o wood.png --timings
   umbrage render oak.glb -o oak.png --lighting leaf --light oak.light
-  umbrage render oak.glb -o sheet.png --lighting prt,leaf,truth --light oak.light";
+  umbrage render oak.glb -o sheet.png --lighting prt,leaf,truth --light oak.light --difference
+  umbrage render oak.glb -o lamp.png --lighting lvc --lamp disc:0,4,3/0,-0.6,-0.8/0.2/60,50,40";
 }
 
 /// Arguments of `bake`.
