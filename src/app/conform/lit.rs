@@ -145,14 +145,14 @@ fn run(gpu: &Gpu, directional: bool) -> Result<Outcome> {
     let surfaces = Surfaces::new(21, directional);
     let found = draw(gpu, &surfaces)?;
     let mut error = 0.0_f64;
-    for i in 0..(SIZE * SIZE) as usize {
+    for (i, &found) in found.iter().enumerate() {
         let (pixel, turns) = surfaces.pixel(i);
         let expected = if surfaces.light[i][3] > 0.0 {
             lit_sun(&FRAME, (i as u32 % SIZE, i as u32 / SIZE), &pixel, turns)
         } else {
             pixel.light
         };
-        error = error.max((expected - wide(found[i])).abs().max_element());
+        error = error.max((expected - wide(found)).abs().max_element());
     }
     Ok(Outcome {
         error,

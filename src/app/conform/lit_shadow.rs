@@ -40,7 +40,7 @@ fn run(gpu: &Gpu) -> Result<Outcome> {
     let texels: Vec<f32> = (0..count).map(|i| u(31, i)).collect();
     let surfaces = Surfaces::new(32, true);
     let near = |i: u32| {
-        if i % 11 == 0 {
+        if i.is_multiple_of(11) {
             0.0
         } else {
             0.05 + 0.15 * u(33, i)
