@@ -328,6 +328,8 @@ fn huge_counts_in_light_files_reserve_nothing() {
         "240",
         "--storage",
         "8bit",
+        "--transfer",
+        "both",
     ]);
     let bytes = std::fs::read(place.path("a.light")).unwrap();
     let length = u64::from_le_bytes(bytes[12..20].try_into().unwrap()) as usize;
@@ -394,6 +396,8 @@ fn damage_anywhere_in_a_light_file_is_refused() {
         "4",
         "--minutes",
         "240",
+        "--transfer",
+        "both",
     ]);
     let bytes = std::fs::read(place.path("a.light")).unwrap();
     let step = (bytes.len() / 400).max(1);
