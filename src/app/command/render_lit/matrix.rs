@@ -1,6 +1,8 @@
 //! Pictures lit by transfer matrices: incident light of every vertex, and what leaves towards the
 //! eye of it.
 
+use std::time::Instant;
+
 use glam::Vec3;
 
 use super::{Job, Lights};
@@ -45,7 +47,10 @@ impl Job<'_> {
             ));
         }
         self.same_leaves()?;
+        let start = Instant::now();
         let incident = self.incident(stored, lighting)?;
+        let milliseconds = 1e3 * start.elapsed().as_secs_f64();
+        self.timings.add("incident light", "cpu", milliseconds);
         let mut sum = if mixed {
             self.by_vectors(lighting)?
         } else {
