@@ -49,9 +49,10 @@ leaf=("${glossy[@]}") scene=leaf50_gloss
 light vectors
 row 'gloss of the sky counts as diffuse' vectors
 light both --transfer both
-for gloss in none diffuse safe paper; do
+for gloss in none diffuse lobe; do
     row "both, --sky-gloss $gloss" both --sky-gloss $gloss
 done
+row "both, the lobe with masking and shadowing" both --gloss-form safe
 row 'matrices alone' both --transfer matrix
 light rgb --transfer both --matrix-colours rgb --order 6
 for order in 1 2 3 4 5 6; do

@@ -1,6 +1,8 @@
 #ifndef LEAF_BRDF_GLSL
 #define LEAF_BRDF_GLSL
 
+#include "leaf_glossy.glsl"
+
 const float LEAF_PI = 3.14159265358979;
 
 // Beckmann's distribution of slopes over cos^4: cos_h to the normal, m the root mean square
@@ -20,7 +22,10 @@ vec3 leaf_scatters(LeafSides leaf, vec4 gloss, vec3 normal, vec3 to_light, vec3 
     vec3 rho_d = eye > 0.0 ? leaf.rho_d_front : leaf.rho_d_back;
     vec3 middle = to_light + to_eye;
     float cos_h = abs(dot(normal, middle)) * inversesqrt(max(dot(middle, middle), 1e-12));
-    vec3 shine = gloss.xyz * (slope_distribution(cos_h, gloss.w) / (4.0 * max(abs(eye), 1e-3)));
+    // A roughness below 0 asks for masking and shadowing, which keep the energy.
+    float m = abs(gloss.w);
+    float kept = gloss.w < 0.0 ? 1.0 / (1.0 + glossy_smith(abs(light), m) + glossy_smith(abs(eye), m)) : 1.0;
+    vec3 shine = gloss.xyz * (kept * slope_distribution(cos_h, m) / (4.0 * max(abs(eye), 1e-3)));
     return light * eye > 0.0 ? rho_d * (abs(light) / LEAF_PI) + shine : through;
 }
 

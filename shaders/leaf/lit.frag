@@ -51,7 +51,8 @@ void main() {
                                     : textureLod(back_shine_map, in_texcoord, 0.0);
         leaf.rho_d = side.rgb;
         leaf.rho_t = textureLod(through_map, in_texcoord, 0.0).rgb;
-        leaf.shine = vec4(shine.rgb, side.a);
+        // The sign asks for a form of the lobe.
+        leaf.shine = vec4(shine.rgb, leaf.shine.w < 0.0 ? -side.a : side.a);
         share = (leaf.rho_d + leaf.rho_t) / max(mean, vec3(1e-6));
     } else {
         leaf.rho_d *= share;

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::environment::{Environment, Sun};
+use super::glossy::Shadowing;
 use super::lamp::Lamp;
 use super::optics::Optics;
 use super::rays::Occluders;
@@ -55,13 +56,18 @@ pub(super) fn film_axes(camera: &Camera) -> [Vec3; 2] {
     [(right * x).as_vec3(), (up * y).as_vec3()]
 }
 
-/// Specular intensity and roughness of every material.
+/// Specular intensity and roughness of every material, below 0 where the lobe keeps the energy.
 pub(super) fn gloss(gpu: &Gpu, optics: &[Optics]) -> Result<Buffer> {
     let rows: Vec<[f32; 4]> = optics
         .iter()
         .map(|o| {
             let [r, g, b] = o.rho_s.map(|v| v.max(0.0));
-            [r, g, b, o.roughness.clamp(1e-3, 1.0)]
+            let m = o.roughness.clamp(1e-3, 1.0);
+            let signed = match o.shadowing {
+                Shadowing::Paper => m,
+                Shadowing::Safe => -m,
+            };
+            [r, g, b, signed]
         })
         .collect();
     gpu.upload("gloss", &rows)

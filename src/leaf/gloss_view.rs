@@ -3,7 +3,6 @@
 
 use glam::Vec3;
 
-use super::glossy::Shadowing;
 use super::lobe;
 use super::optics::Optics;
 use crate::Result;
@@ -34,11 +33,11 @@ impl GlossPass {
         gpu: &Gpu,
         receivers: &[Receiver],
         (light, order): (&[[f32; 3]], u32),
-        (optics, shadowing): (&[Optics], Shadowing),
+        optics: &[Optics],
     ) -> Result<Self> {
         let lobes: Vec<f32> = optics
             .iter()
-            .flat_map(|o| lobe::table(f64::from(o.roughness), shadowing))
+            .flat_map(|o| lobe::table(f64::from(o.roughness), o.shadowing))
             .collect();
         let count = receivers.len() as u32;
         let radiance = BufferInfo::device("radiance of a view", 24 * u64::from(count));

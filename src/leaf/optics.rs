@@ -1,6 +1,7 @@
 //! What a material makes of light, as far as the precomputation needs it: mean values per side.
 
 use super::appearance::{Face, LeafMaterial};
+use super::glossy::Shadowing;
 use super::import::Said;
 use crate::Result;
 use crate::abi::LeafSides;
@@ -19,6 +20,8 @@ pub struct Optics {
     pub rho_s: [f32; 3],
     /// Roughness m of the specular term: root mean square slope times the square root of 2.
     pub roughness: f32,
+    /// Form of the specular term.
+    pub shadowing: Shadowing,
 }
 
 impl Optics {
@@ -31,6 +34,7 @@ impl Optics {
             rho_t: [0.0; 3],
             rho_s: [0.0; 3],
             roughness: 0.3,
+            shadowing: Shadowing::Paper,
         }
     }
 
@@ -44,6 +48,7 @@ impl Optics {
             rho_t: [0, 1, 2].map(|c| 0.5 * (upper.rho_t[c] + lower.rho_t[c])),
             rho_s: upper.rho_s,
             roughness: upper.m,
+            shadowing: Shadowing::Paper,
         }
     }
 

@@ -31,7 +31,8 @@ pub fn glossy(to_light: DVec3, to_viewer: DVec3, m: f64, safe: bool) -> f64 {
     g * stogryn / (4.0 * std::f64::consts::PI * r.z.max(f64::from(GLOSSY_MIN_COSINE)))
 }
 
-fn lambda(cosine: f64, m: f64) -> f64 {
+/// Smith's Lambda.
+pub(super) fn lambda(cosine: f64, m: f64) -> f64 {
     let a = cosine / (m * (1.0 - cosine * cosine).max(1e-60).sqrt());
     if a > 5.0 {
         return 0.0;

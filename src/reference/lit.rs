@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::leaf_glossy::lambda;
 use crate::abi::{LEAF_TURN_NODES, LeafSides, LeafTurn, LitFrame};
 
 /// What the first pass leaves for a pixel.
@@ -19,7 +20,7 @@ pub struct Pixel {
     pub surface: f64,
     /// What the leaf makes of light there; both sides are as the one that is seen.
     pub leaf: LeafSides,
-    /// Specular intensity and roughness.
+    /// Specular intensity and roughness, below 0 where the lobe keeps the energy.
     pub shine: [f32; 4],
 }
 
@@ -74,7 +75,13 @@ pub fn leaf_scatters(
     let [r, g, b, m] = gloss.map(f64::from);
     let middle = to_light + to_eye;
     let cos_h = normal.dot(middle).abs() / middle.length_squared().max(1e-12).sqrt();
-    let shine = slope_distribution(cos_h, m) / (4.0 * eye.abs().max(1e-3));
+    // A roughness below 0 asks for masking and shadowing, which keep the energy.
+    let kept = if m < 0.0 {
+        1.0 / (1.0 + lambda(light.abs(), -m) + lambda(eye.abs(), -m))
+    } else {
+        1.0
+    };
+    let shine = kept * slope_distribution(cos_h, m) / (4.0 * eye.abs().max(1e-3));
     vector(rho_d) * (light.abs() / PI) + DVec3::new(r, g, b) * shine
 }
 

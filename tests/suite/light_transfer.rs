@@ -229,7 +229,7 @@ fn the_sky_in_glossy_leaves_is_nearer_by_matrices() {
         let report = place.json(&[&draw[..], &["--sky-gloss", gloss]].concat());
         report["errors"][0]["block_rmse"].as_f64().unwrap()
     };
-    let (lobe, diffuse) = (error("paper"), error("diffuse"));
+    let (lobe, diffuse) = (error("lobe"), error("diffuse"));
     assert!(lobe < 0.9 * diffuse && lobe < 0.055, "{lobe} {diffuse}");
 }
 
@@ -276,10 +276,10 @@ fn a_tree_is_lit_by_matrices() {
         "--validate",
         "--light",
     ];
-    for gloss in ["paper", "safe", "diffuse", "none"] {
+    for gloss in ["lobe", "diffuse", "none"] {
         place.json(&[&draw[..], &["b.light", "--sky-gloss", gloss]].concat());
     }
-    place.json(&[&draw[..], &["m.light"]].concat());
+    place.json(&[&draw[..], &["m.light", "--gloss-form", "safe"]].concat());
     place.json(
         &[
             &draw[..],

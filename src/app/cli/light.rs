@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use super::commands::InputArgs;
 use super::ranges::{channels, real, real32};
 use crate::Result;
+use crate::leaf::glossy::Shadowing;
 use crate::leaf::optics::Optics;
 use crate::leaf::{LeafMaterial, LeafSpecies, files};
 
@@ -65,6 +66,9 @@ pub struct OpticsArgs {
     /// Roughness m of the specular term, 0.001 to 1
     #[arg(long, value_name = "M", value_parser = real(0.001, 1.0), allow_hyphen_values = true)]
     pub roughness: Option<f64>,
+    /// Form of the specular term in pictures
+    #[arg(long, default_value = "paper")]
+    pub gloss_form: GlossForm,
 }
 
 impl OpticsArgs {
@@ -117,6 +121,10 @@ impl OpticsArgs {
         if let Some(m) = self.roughness {
             optics.roughness = m as f32;
         }
+        optics.shadowing = match self.gloss_form {
+            GlossForm::Paper => Shadowing::Paper,
+            GlossForm::Safe => Shadowing::Safe,
+        };
     }
 }
 
@@ -171,14 +179,22 @@ pub enum RenderTransfer {
     Matrix,
 }
 
+/// Form of the specular term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum GlossForm {
+    /// That of Wang et al. 2005: gives back more than comes in at grazing angles.
+    #[default]
+    Paper,
+    /// With Smith's masking and shadowing, which keep the energy.
+    Safe,
+}
+
 /// How transfer matrices reflect the surroundings in gloss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum SkyGloss {
-    /// By the lobe of Wang et al. 2005, as the sun's gloss.
+    /// By the lobe, as the sun's gloss.
     #[default]
-    Paper,
-    /// By that lobe with masking and shadowing, which keeps the energy.
-    Safe,
+    Lobe,
     /// As diffuse reflection.
     Diffuse,
     /// Not at all.
@@ -370,7 +386,7 @@ pub struct LitArgs {
     #[arg(long, default_value = "auto")]
     pub transfer: RenderTransfer,
     /// How transfer matrices reflect the surroundings in gloss
-    #[arg(long, default_value = "paper")]
+    #[arg(long, default_value = "lobe")]
     pub sky_gloss: SkyGloss,
     /// Bands of the transfer that are used at most, 1 to 6
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]

@@ -80,7 +80,8 @@ impl Surfaces {
                 .push([u(0), u(1), u(2), if i % 11 == 0 { 0.0 } else { 1.0 }]);
             out.surface.push([n.x, n.y, n.z, side * (1.0 + u(3))]);
             let half = |a: f32, b: f32| u32::from(f32_to_f16(a)) | u32::from(f32_to_f16(b)) << 16;
-            let m = 0.15 + 0.3 * u(10);
+            // Every fifth keeps its energy.
+            let m = (0.15 + 0.3 * u(10)) * if i % 5 == 0 { -1.0 } else { 1.0 };
             out.leaf.push([
                 half(0.5 * u(4), 0.5 * u(5)),
                 half(0.5 * u(6), m),

@@ -80,6 +80,7 @@ fn views(gpu: &Gpu, order: u32) -> Result<Outcome> {
     let glossy = |rho_s: [f32; 3], roughness: f32| Optics {
         rho_s,
         roughness,
+        shadowing: Shadowing::Safe,
         ..Optics::opaque([0.2; 3])
     };
     let optics = [
@@ -109,12 +110,11 @@ fn views(gpu: &Gpu, order: u32) -> Result<Outcome> {
         .map(|i| [0, 1, 2].map(|c| uniform(32, 3 * i + c) as f32 - 0.3))
         .collect();
     let eye = Vec3::new(1.5, 0.0, 0.0);
-    let with = (&optics[..], Shadowing::Safe);
-    let pass = GlossPass::new(gpu, &receivers, (&light, order), with)?;
+    let pass = GlossPass::new(gpu, &receivers, (&light, order), &optics)?;
     let (found, _) = pass.view(eye)?;
     let lobes: Vec<f32> = optics
         .iter()
-        .flat_map(|o| lobe::table(f64::from(o.roughness), Shadowing::Safe))
+        .flat_map(|o| lobe::table(f64::from(o.roughness), o.shadowing))
         .collect();
     let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
     let mut error = 0.0_f64;

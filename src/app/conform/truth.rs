@@ -9,6 +9,7 @@ use crate::gpu::Gpu;
 use crate::leaf::directional;
 use crate::leaf::environment::{Environment, Sun};
 use crate::leaf::film::{Film, LitScene};
+use crate::leaf::glossy::Shadowing;
 use crate::leaf::lamp::Lamp;
 use crate::leaf::optics::Optics;
 use crate::leaf::rays::Occluders;
@@ -63,6 +64,7 @@ fn run(gpu: &Gpu, shine: f32, lamps: &[Lamp]) -> Result<Outcome> {
         rho_t: [0.35, 0.3, 0.05],
         rho_s: [shine; 3],
         roughness: 0.3,
+        shadowing: Shadowing::Paper,
     }];
     let mut receivers = Receivers::new(&geometry, &occluders, &optics);
     if !lamps.is_empty() {

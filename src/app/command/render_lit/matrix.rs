@@ -9,7 +9,6 @@ use super::{Job, Lights};
 use crate::abi::{LeafSides, Receiver};
 use crate::app::cli::light::{Lighting, RenderTransfer, SkyGloss};
 use crate::leaf::gloss_view::GlossPass;
-use crate::leaf::glossy::Shadowing;
 use crate::leaf::levels::Level;
 use crate::leaf::matrix::{StoredMatrices, diffuse};
 use crate::{Error, Result};
@@ -100,14 +99,13 @@ impl Job<'_> {
 
     /// Surroundings in the glossy reflection of every side.
     fn gloss(&mut self, incident: &Incident) -> Result<Vec<[f32; 3]>> {
-        let shadowing = match self.args.sky_gloss {
-            SkyGloss::Paper => Shadowing::Paper,
-            SkyGloss::Safe => Shadowing::Safe,
+        match self.args.sky_gloss {
+            SkyGloss::Lobe => {}
             SkyGloss::Diffuse => return Ok(incident.spread(self.diffuse_gloss(incident))),
             SkyGloss::None => return Ok(vec![[0.0; 3]; 2 * self.lit.vertices()]),
-        };
+        }
         let (light, order) = (&incident.light[..], incident.order);
-        let optics = (&self.lit.optics[..], shadowing);
+        let optics = &self.lit.optics;
         let pass = GlossPass::new(self.gpu, &incident.receivers, (light, order), optics)?;
         let eye = self.film.camera.eye - self.lit.geometry.origin;
         let eye = f64::from(self.lit.occluders.scale) * eye;
