@@ -57,7 +57,7 @@ impl Storage {
         let known = Self::NAMES.iter().find(|n| n.1 == name);
         known
             .map(|n| n.0)
-            .ok_or_else(|| Error::usage(format!("storage `{name}`: expected f32, f16 or 8bit")))
+            .ok_or_else(|| Error::usage(format!("--storage {name}: expected f32, f16 or 8bit")))
     }
 }
 

@@ -43,7 +43,7 @@ impl Colours {
         let known = Self::NAMES.iter().find(|n| n.1 == name);
         known
             .map(|n| n.0)
-            .ok_or_else(|| Error::usage(format!("colours `{name}`: expected mono or rgb")))
+            .ok_or_else(|| Error::usage(format!("--matrix-colours {name}: expected mono or rgb")))
     }
 
     const fn channels(self) -> usize {

@@ -62,6 +62,10 @@ fn numbers_of_lit_pictures_outside_their_range_are_refused_by_name() {
         ("--supersample", &["0", "9"]),
         ("--truth-samples", &["0", "65537"]),
         ("--light-exposure", &["0", "-1", "1e10"]),
+        ("--difference", &["0", "-1"]),
+        ("--lamp-samples", &["0", "4097"]),
+        ("--lamp-points", &["0", "65"]),
+        ("--repeat", &["0", "-1"]),
         ("--sun-radius", &["-1", "45"]),
     ] {
         for value in outside.iter().chain(&NO_NUMBERS) {

@@ -373,7 +373,7 @@ pub struct LitArgs {
     #[arg(long, value_name = "LAMP", allow_hyphen_values = true)]
     pub lamp: Vec<String>,
     /// Points of each lamp that are looked for from every vertex, 1 to 4096
-    #[arg(long, default_value_t = 16)]
+    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub lamp_samples: u32,
     /// Points of each lamp whose light a pixel's leaf scatters, 1 to 64; 1 is right for small lamps
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=64))]
@@ -417,13 +417,15 @@ pub struct LitArgs {
     #[arg(long, value_parser = real32(1e-9, 1e9), allow_hyphen_values = true)]
     pub light_exposure: Option<f32>,
     /// Adds a row of differences: red where too bright, blue where too dark; to --reference, the truth
-    /// or the last picture. At full colour they are this share of the reference's mean
+    /// or the last picture. At full colour they are this share, 1e-6 to 1e6, of
+    /// the reference's mean
     #[arg(
         long,
         value_name = "SHARE",
         num_args = 0..=1,
         require_equals = true,
-        default_missing_value = "0.5"
+        default_missing_value = "0.5",
+        value_parser = real32(1e-6, 1e6)
     )]
     pub difference: Option<f32>,
     /// Compares with pictures of linear light, `PREFIX_full.exr` and `PREFIX_sun_direct.exr`
