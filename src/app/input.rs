@@ -122,6 +122,8 @@ pub struct PlacedPlant {
     pub to_scene: DAffine3,
     /// Its instances in [`Input::model`].
     pub instances: Range<usize>,
+    /// Its materials there.
+    pub materials: Range<usize>,
 }
 
 impl Input {
@@ -178,14 +180,17 @@ impl Input {
                 model,
                 to_scene: plant.placement(),
                 instances: 0..0,
+                materials: 0..0,
             });
         }
         let placed: Vec<(&Model, DAffine3)> =
             plants.iter().map(|p| (&*p.model, p.to_scene)).collect();
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let population = Population::merge(&stem, &placed);
-        for (plant, instances) in plants.iter_mut().zip(population.instances) {
+        let ranges = population.instances.into_iter().zip(population.materials);
+        for (plant, (instances, materials)) in plants.iter_mut().zip(ranges) {
             plant.instances = instances;
+            plant.materials = materials;
         }
         for warning in &population.model.warnings {
             log::warn!("{warning}");

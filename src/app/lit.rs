@@ -1,11 +1,12 @@
 //! A model as the light room sees it: triangles for rays, receivers, what materials make of light.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::cli::light::OpticsArgs;
-use super::input::{Input, Source};
+use super::cli::light::{OpticsArgs, Up};
+use super::input::{Input, PlacedPlant, Source};
 use crate::foliage::Split;
 use crate::leaf::LeafMaterial;
 use crate::leaf::import::USUAL_TRANSMISSION;
@@ -15,6 +16,7 @@ use crate::leaf::rays::Occluders;
 use crate::leaf::receivers::Receivers;
 use crate::leaf::refine::Refined;
 use crate::leaf::wear::cut_out;
+use crate::scene::scene_file::SceneFile;
 use crate::scene::{Geometry, Model};
 use crate::{Error, Result};
 
@@ -36,6 +38,47 @@ pub struct LitModel {
     pub optics: Vec<Optics>,
     /// The leaf that a material wears, where it has maps.
     pub leaves: Worn,
+    /// The scene file, if it was one.
+    pub scene: Option<SceneFile>,
+    /// The plants of a scene.
+    pub plants: Vec<LitPlant>,
+}
+
+/// A plant of a scene, in one or several places.
+#[derive(Debug)]
+pub struct LitPlant {
+    /// Its name, for messages.
+    pub name: String,
+    /// Its triangles, as `umbrage light` of the plant alone has them.
+    pub geometry: Geometry,
+    /// What its materials make of light.
+    optics: Vec<Optics>,
+    /// Where it stands.
+    pub places: Vec<LitPlace>,
+}
+
+/// One place of a plant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LitPlace {
+    /// From the plant's world coordinates to those of the scene.
+    pub to_scene: DAffine3,
+    /// Its parts of the scene's geometry; their vertices are those of the plant, in order.
+    pub parts: Range<usize>,
+}
+
+impl LitPlant {
+    /// The triangles that a light file must have been computed for.
+    #[must_use]
+    pub fn key(&self) -> ModelKey {
+        model_key(&self.geometry)
+    }
+
+    /// The optics that transfer vectors must have been computed for.
+    #[must_use]
+    pub fn optics_key(&self) -> ModelKey {
+        let sides: Vec<_> = self.optics.iter().map(Optics::transfer_sides).collect();
+        optics_key(&sides)
+    }
 }
 
 impl LitModel {
@@ -49,16 +92,9 @@ impl LitModel {
         pattern: Option<&str>,
         args: &OpticsArgs,
     ) -> Result<Self> {
-        let mut model = Input::load(source, textures)?.model;
-        if args.up == super::cli::light::Up::Z {
-            let mut turned = Arc::unwrap_or_clone(model);
-            // x stays, z becomes y, y becomes -z.
-            let turn = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y));
-            for instance in &mut turned.instances {
-                instance.local_to_world = turn * instance.local_to_world;
-            }
-            model = Arc::new(turned);
-        }
+        let input = Input::load(source, textures)?;
+        let turn = y_up(args.up);
+        let model = turned(input.model, &turn);
         let geometry = Geometry::flatten(&model);
         for warning in &geometry.warnings {
             log::warn!("{}: {warning}", model.name);
@@ -66,7 +102,14 @@ impl LitModel {
         if geometry.indices.is_empty() {
             return Err(Error::usage(format!("{source}: has no triangles to light")));
         }
-        let (optics, leaves) = optics(&model, &geometry, pattern, args)?;
+        let (mut optics, leaves) = optics(&model, &geometry, pattern, args)?;
+        let plants = plants(&input.plants, &geometry, &turn, |model, own| {
+            Ok(self::optics(model, own, pattern, args)?.0)
+        })?;
+        // A plant's leaves are what they are when it stands alone.
+        for (placed, plant) in &plants {
+            optics[input.plants[*placed].materials.clone()].clone_from_slice(&plant.optics);
+        }
         let model = cut_out(model, &leaves);
         let occluders = Occluders::new(&model, &geometry)?;
         let receivers = Receivers::new(&geometry, &occluders, &optics);
@@ -77,6 +120,8 @@ impl LitModel {
             receivers,
             optics,
             leaves,
+            scene: input.scene,
+            plants: plants.into_iter().map(|p| p.1).collect(),
         })
     }
 
@@ -105,6 +150,60 @@ impl LitModel {
     pub fn optics_key(&self) -> ModelKey {
         optics_key(&self.receivers.transfer)
     }
+}
+
+/// What turns a model so that +y is up.
+fn y_up(up: Up) -> DAffine3 {
+    match up {
+        Up::Y => DAffine3::IDENTITY,
+        // x stays, z becomes y, y becomes -z.
+        Up::Z => DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y)),
+    }
+}
+
+fn turned(model: Arc<Model>, by: &DAffine3) -> Arc<Model> {
+    if *by == DAffine3::IDENTITY {
+        return model;
+    }
+    let mut turned = Arc::unwrap_or_clone(model);
+    for instance in &mut turned.instances {
+        instance.local_to_world = *by * instance.local_to_world;
+    }
+    Arc::new(turned)
+}
+
+/// The plants of a scene, each once, with the number of the first that is placed.
+fn plants(
+    placed: &[PlacedPlant],
+    scene: &Geometry,
+    turn: &DAffine3,
+    optics: impl Fn(&Model, &Geometry) -> Result<Vec<Optics>>,
+) -> Result<Vec<(usize, LitPlant)>> {
+    let mut out: Vec<(usize, LitPlant)> = Vec::new();
+    for (number, plant) in placed.iter().enumerate() {
+        let first = |i: usize| scene.parts.partition_point(|part| part.instance < i);
+        let place = LitPlace {
+            to_scene: *turn * plant.to_scene * turn.inverse(),
+            parts: first(plant.instances.start)..first(plant.instances.end),
+        };
+        let same =
+            |known: &&mut (usize, LitPlant)| Arc::ptr_eq(&placed[known.0].model, &plant.model);
+        match out.iter_mut().find(same) {
+            Some((_, known)) => known.places.push(place),
+            None => {
+                let model = turned(plant.model.clone(), turn);
+                let geometry = Geometry::flatten(&model);
+                let known = LitPlant {
+                    name: plant.name.clone(),
+                    optics: optics(&model, &geometry)?,
+                    geometry,
+                    places: vec![place],
+                };
+                out.push((number, known));
+            }
+        }
+    }
+    Ok(out)
 }
 
 /// Optics of every material, and the leaves that they wear: those of leaves may be told on the

@@ -13,6 +13,7 @@ pub mod input;
 pub mod lit;
 pub mod output;
 pub mod prepared;
+pub mod relight;
 pub mod report;
 pub mod settings;
 pub mod timing;

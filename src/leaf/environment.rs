@@ -1,6 +1,7 @@
 //! Distant light: environments, their spherical harmonics and the sun.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
@@ -38,7 +39,7 @@ pub enum Environment {
 pub struct Panorama {
     width: usize,
     height: usize,
-    pixels: Vec<[f32; 3]>,
+    pixels: Arc<[[f32; 3]]>,
     /// Turns world directions so that the zenith is +z.
     to_z_up: DQuat,
 }
@@ -89,6 +90,24 @@ impl Environment {
             Self::Linear { a, b, up } => *a + *b * d.dot(*up),
             Self::Panorama(p) => p.radiance(d),
             Self::Clear(sky) => sky.radiance(d),
+        }
+    }
+
+    /// It as a thing sees it that was turned by the inverse of `by`.
+    #[must_use]
+    pub fn turned(&self, by: DQuat) -> Self {
+        match self {
+            Self::Constant(l) => Self::Constant(*l),
+            Self::Linear { a, b, up } => Self::Linear {
+                a: *a,
+                b: *b,
+                up: by * *up,
+            },
+            Self::Panorama(p) => Self::Panorama(Panorama {
+                to_z_up: p.to_z_up * by.inverse(),
+                ..p.clone()
+            }),
+            Self::Clear(sky) => Self::Clear(sky.turned(by)),
         }
     }
 
@@ -184,7 +203,7 @@ impl Panorama {
         Ok(Self {
             width,
             height,
-            pixels,
+            pixels: pixels.into(),
             to_z_up: DQuat::from_rotation_arc(up, DVec3::Z),
         })
     }
@@ -255,6 +274,26 @@ mod tests {
             assert!((*f - w).abs().max_element() < 1e-3, "{f} for {w}");
         }
         assert!((panorama.radiance(up) - a - b).abs().max_element() < 1e-2);
+    }
+
+    #[test]
+    fn turned_skies_are_the_same_in_the_turned_frame() {
+        let (a, b) = (DVec3::splat(0.3), DVec3::new(0.1, 0.2, 0.05));
+        let pixels = (0..64 * 32).map(|i| [(i % 64) as f32, 1.0, (i / 64) as f32]);
+        let sun = DVec3::new(0.3, 0.8, 0.2).normalize();
+        let by = DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.1);
+        for sky in [
+            Environment::Constant(a),
+            Environment::Linear { a, b, up: DVec3::Y },
+            Environment::Panorama(Panorama::new(64, 32, pixels.collect(), DVec3::Y).unwrap()),
+            Environment::Clear(super::super::sky::ClearSky::new(DVec3::Y, sun, 2.5)),
+        ] {
+            let turned = sky.turned(by);
+            for d in fibonacci_directions(50) {
+                let error = (turned.radiance(by * d) - sky.radiance(d)).abs();
+                assert!(error.max_element() < 1e-6, "{sky:?}: {error}");
+            }
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! about the vertex see it elsewhere and otherwise, so that this holds the better the farther the
 //! lamp is in distances of leaves.
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::lamp::Lamp;
@@ -19,6 +19,8 @@ pub struct LampTransfer {
     pub order: usize,
     /// Strength of the window against ringing.
     pub window: f64,
+    /// Turns directions of the lamps into the frame of the transfer.
+    pub turn: DQuat,
 }
 
 /// Adds the light of `lamps` to `radiance` (front and back of each vertex). `places` are those of
@@ -44,7 +46,7 @@ pub fn add(
                 if irradiance.max_element() <= 0.0 {
                     continue;
                 }
-                let y = sh::evaluate(towards);
+                let y = sh::evaluate(what.turn * towards);
                 for (out, side) in sides.iter_mut().zip(values.chunks_exact(side_floats)) {
                     let mut sum = Vec3::ZERO;
                     for (k, y) in y.iter().enumerate().take(n) {
@@ -86,6 +88,7 @@ mod tests {
             direct: false,
             order: 5,
             window: 0.0,
+            turn: DQuat::IDENTITY,
         };
         let places = [DVec3::new(0.0, 2.0, 0.0)];
         add(

@@ -103,9 +103,18 @@ impl StoredTransfer {
     /// The vectors again.
     #[must_use]
     pub fn transfer(&self) -> Transfer {
+        self.part(0..self.receivers())
+    }
+
+    /// The vectors of some of the vertices that have them.
+    #[must_use]
+    pub fn part(&self, receivers: std::ops::Range<usize>) -> Transfer {
+        let floats = side_floats(self.order);
+        let width = 2 * floats * self.storage.bytes() as usize;
+        let bytes = &self.bytes[width * receivers.start..width * receivers.end];
         Transfer {
             order: self.order,
-            values: load(&self.bytes, &self.scales, self.storage),
+            values: load(bytes, &self.scales, self.storage),
         }
     }
 }

@@ -148,8 +148,7 @@ fn matrix_header(m: &StoredMatrices) -> MatrixHeader {
 /// No light file, another version, cut short or damaged, or of another model: which of these, in
 /// words.
 pub fn read(path: &Path, model: &ModelKey, vertices: usize) -> Result<Light> {
-    let bytes = std::fs::read(path).map_err(|e| Error::file(path, e))?;
-    let light = decode(&bytes).map_err(|reason| Error::file(path, reason))?;
+    let light = read_any(path)?;
     if light.model != *model || light.vertices as usize != vertices {
         return Err(Error::file(
             path,
@@ -160,6 +159,15 @@ pub fn read(path: &Path, model: &ModelKey, vertices: usize) -> Result<Light> {
         ));
     }
     Ok(light)
+}
+
+/// Reads `path`, of whatever model.
+///
+/// # Errors
+/// No light file, another version, cut short or damaged.
+pub fn read_any(path: &Path) -> Result<Light> {
+    let bytes = std::fs::read(path).map_err(|e| Error::file(path, e))?;
+    decode(&bytes).map_err(|reason| Error::file(path, reason))
 }
 
 /// The light in the bytes of a file.

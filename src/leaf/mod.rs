@@ -20,6 +20,7 @@ pub mod import;
 pub mod lamp;
 pub mod lamp_maps;
 pub mod lamp_transfer;
+pub mod level_choice;
 pub mod levels;
 pub mod light;
 pub mod light_file;

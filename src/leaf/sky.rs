@@ -1,6 +1,6 @@
 //! A clear sky (Preetham, Shirley, Smits 1999, A Practical Analytic Model for Daylight).
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 /// XYZ to linear sRGB (IEC 61966-2-1).
 const XYZ_TO_RGB: DMat3 = DMat3::from_cols_array(&[
@@ -75,6 +75,16 @@ impl ClearSky {
             sun,
             perez,
             zenith: [luminance.max(0.0), x, y],
+        }
+    }
+
+    /// It with its zenith and its sun turned by `by`.
+    #[must_use]
+    pub fn turned(&self, by: DQuat) -> Self {
+        Self {
+            up: by * self.up,
+            sun: by * self.sun,
+            ..*self
         }
     }
 

@@ -14,30 +14,42 @@ pub struct Population {
     pub model: Model,
     /// Range of [`Model::instances`] of each plant, in order.
     pub instances: Vec<Range<usize>>,
+    /// Range of [`Model::materials`] of each plant; the same for those that are one model.
+    pub materials: Vec<Range<usize>>,
 }
 
 impl Population {
-    /// Merges `plants`, each moved to its place.
+    /// Merges `plants`, each moved to its place. A model that stands in several places has its
+    /// meshes, materials and images once.
     #[must_use]
     pub fn merge(name: &str, plants: &[(&Model, DAffine3)]) -> Self {
         let mut out = Self::default();
         out.model.name = name.to_owned();
+        let mut known: Vec<(&Model, usize, Range<usize>)> = Vec::new();
         for (plant, to_scene) in plants {
+            let (meshes, materials) = match known.iter().find(|k| std::ptr::eq(k.0, *plant)) {
+                Some((_, meshes, materials)) => (*meshes, materials.clone()),
+                None => {
+                    let first = (out.model.meshes.len(), out.model.materials.len());
+                    append(&mut out.model, plant);
+                    let materials = first.1..out.model.materials.len();
+                    known.push((plant, first.0, materials.clone()));
+                    (first.0, materials)
+                }
+            };
             let first = out.model.instances.len();
-            append(&mut out.model, plant, to_scene);
+            place(&mut out.model, plant, to_scene, meshes);
             out.instances.push(first..out.model.instances.len());
+            out.materials.push(materials);
         }
         out
     }
 }
 
-fn append(into: &mut Model, plant: &Model, to_scene: &DAffine3) {
-    let [meshes, materials, textures, images] = [
-        into.meshes.len(),
-        into.materials.len(),
-        into.textures.len(),
-        into.images.len(),
-    ];
+/// Adds what the plant is made of.
+fn append(into: &mut Model, plant: &Model) {
+    let [materials, textures, images] =
+        [into.materials.len(), into.textures.len(), into.images.len()];
     let images_of_plant = plant.images.iter().map(|image| of_plant(image, plant));
     into.images.extend(images_of_plant);
     for texture in &plant.textures {
@@ -59,6 +71,13 @@ fn append(into: &mut Model, plant: &Model, to_scene: &DAffine3) {
         }
         into.meshes.push(mesh);
     }
+    for warning in &plant.warnings {
+        into.warnings.push(format!("{}: {warning}", plant.name));
+    }
+}
+
+/// Adds the plant at its place; its meshes are `into`'s from `meshes` on.
+fn place(into: &mut Model, plant: &Model, to_scene: &DAffine3, meshes: usize) {
     for instance in &plant.instances {
         let mut instance = instance.clone();
         instance.mesh += meshes;
@@ -73,9 +92,6 @@ fn append(into: &mut Model, plant: &Model, to_scene: &DAffine3) {
             .transform_vector3(light.direction)
             .normalize_or(light.direction);
         into.lights.push(light);
-    }
-    for warning in &plant.warnings {
-        into.warnings.push(format!("{}: {warning}", plant.name));
     }
 }
 
@@ -147,9 +163,9 @@ mod tests {
 
     #[test]
     fn references_follow_their_plant() {
-        let plant = plant();
+        let (plant, other) = (plant(), plant());
         let away = DAffine3::from_translation(DVec3::new(10.0, 0.0, 0.0));
-        let two = Population::merge("two", &[(&plant, DAffine3::IDENTITY), (&plant, away)]);
+        let two = Population::merge("two", &[(&plant, DAffine3::IDENTITY), (&other, away)]);
         assert_eq!(two.instances, [0..1, 1..2], "one instance each");
         let second = &two.model.meshes[two.model.instances[1].mesh].primitives[0];
         assert_eq!(second.material, 1, "the second plant's own material");
@@ -158,5 +174,18 @@ mod tests {
         let geometry = Geometry::flatten(&two.model);
         let gap = geometry.positions[3] - geometry.positions[0];
         assert_eq!(gap, Vec3::new(10.0, 0.0, 0.0), "moved to its place");
+    }
+
+    #[test]
+    fn a_model_in_two_places_is_kept_once() {
+        let plant = plant();
+        let away = DAffine3::from_translation(DVec3::new(10.0, 0.0, 0.0));
+        let two = Population::merge("two", &[(&plant, DAffine3::IDENTITY), (&plant, away)]);
+        assert_eq!(two.instances, [0..1, 1..2], "one instance each");
+        assert_eq!(two.materials, [0..1, 0..1], "the same materials");
+        let m = &two.model;
+        let counts = [m.meshes.len(), m.materials.len(), m.images.len()];
+        assert_eq!(counts, [1, 1, 1], "once");
+        assert_eq!(Geometry::flatten(m).positions.len(), 6, "at both places");
     }
 }

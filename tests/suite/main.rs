@@ -33,6 +33,7 @@ mod light_errors;
 mod light_lamps;
 mod light_limits;
 mod light_picture;
+mod light_plants;
 mod light_rays;
 mod light_resume;
 mod light_sheet;

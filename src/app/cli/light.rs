@@ -343,9 +343,9 @@ pub struct LitArgs {
     /// a table of their errors
     #[arg(long, value_name = "LIGHTING,LIGHTING,..", value_delimiter = ',', conflicts_with_all = ["view", "compare"])]
     pub lighting: Vec<Lighting>,
-    /// Light file of the model (umbrage light)
+    /// Light file of the model (umbrage light); for a scene one for each of its plants
     #[arg(long, value_name = "FILE")]
-    pub light: Option<PathBuf>,
+    pub light: Vec<PathBuf>,
     /// constant:R,G,B, linear:R,G,B/R,G,B (horizon, and what the zenith has more), clear:TURBIDITY,
     /// or a panorama (EXR, HDR)
     #[arg(
@@ -391,6 +391,10 @@ pub struct LitArgs {
     /// Bands of the transfer that are used at most, 1 to 6
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,
+    /// Pixels between the vertices of the level of detail that a leaf takes, 0 (always the finest)
+    /// to 1000
+    #[arg(long, value_name = "PIXELS", default_value_t = 4.0, value_parser = real(0.0, 1e3), allow_hyphen_values = true)]
+    pub lod_pixels: f64,
     /// Strength of the window against ringing on the sun's indirect light, 0 (none) to 1
     #[arg(long, default_value_t = 0.002, value_parser = real(0.0, 1.0), allow_hyphen_values = true)]
     pub window: f64,

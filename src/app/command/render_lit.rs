@@ -2,7 +2,6 @@
 
 mod matrix;
 
-use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::lit_sheet::{Compared, Drawn, compare, reference_path, sheet};
@@ -12,6 +11,7 @@ use crate::app::cli::light::{Lighting, LitArgs};
 use crate::app::film::film;
 use crate::app::lit::LitModel;
 use crate::app::output::{PendingFile, check_apart, check_ending};
+use crate::app::relight::{Relight, Relighting};
 use crate::app::report::Table;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
@@ -20,14 +20,9 @@ use crate::gpu::Gpu;
 use crate::leaf::directional;
 use crate::leaf::film::{Film, LitScene};
 use crate::leaf::lamp_maps::{LampMaps, LampSettings};
-use crate::leaf::lamp_transfer::{self, LampTransfer};
-use crate::leaf::light::{Light, Lighting as Lights, exit_radiance};
-use crate::leaf::light_file;
 use crate::leaf::lit::{LitRenderer, VertexLight};
 use crate::leaf::lit_lamps::LampLight;
-use crate::leaf::lod::Lod;
 use crate::leaf::lvc::{Lvc, LvcSettings};
-use crate::leaf::prt::Transfer;
 use crate::leaf::radiance_map::RadianceMap;
 use crate::leaf::rays::RayScene;
 use crate::leaf::receivers::Receivers;
@@ -43,7 +38,8 @@ use crate::{Error, Result};
 /// # Errors
 /// Wrong input or settings, a light file of another model, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
-    let settings = picture_settings(None, &args.picture)?;
+    // Wrong settings are told before the model is read.
+    picture_settings(None, &args.picture)?;
     check_ending(&args.output, &["png", "jpg", "jpeg"])?;
     let [source] = args.inputs.as_slice() else {
         return Err(Error::usage("--lighting: takes one model"));
@@ -70,13 +66,14 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     if args.lit.directional {
         lit.receivers.turns = directional::table(&lit.optics)?;
     }
+    let settings = picture_settings(lit.scene.as_ref(), &args.picture)?;
     let film = film(&lit.geometry, &args.lit, &settings)?;
-    let light = match &args.lit.light {
-        Some(path) => Some(light_file::read(path, &lit.key(), lit.vertices())?),
-        None => None,
+    let relight = match args.lit.light.as_slice() {
+        [] => None,
+        paths => Some(timings.measure("light files", || Relight::read(&lit, paths))?),
     };
-    let stored = light.as_ref().and_then(|l| l.visibility.as_ref());
-    let splits = args.lit.splits.or(stored.map(|v| v.splits)).unwrap_or(2);
+    let stored = relight.as_ref().and_then(Relight::splits);
+    let splits = args.lit.splits.or(stored).unwrap_or(2);
     let (refined, receivers) = timings.measure("refine", || lit.refined(splits));
     let mut job = Job {
         splits,
@@ -90,7 +87,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
             size: settings.shadow_size,
             radius: settings.shadow_radius,
         },
-        light,
+        relight,
         renderer: None,
         timings,
     };
@@ -124,7 +121,7 @@ struct Job<'a> {
     receivers: Receivers,
     film: Film,
     shadow: ShadowSettings,
-    light: Option<Light>,
+    relight: Option<Relight<'a>>,
     renderer: Option<LitRenderer>,
     timings: Timings,
 }
@@ -195,11 +192,12 @@ impl Job<'_> {
     /// What the picture rests on, bytes: transfer vectors and maps on the host, a frame's buffers
     /// and targets on the device.
     fn bytes(&self) -> Value {
-        let levels = self.light.iter().flat_map(|l| &l.transfer);
-        let maps = self.light.as_ref().and_then(|l| l.visibility.as_ref());
+        let [transfer, maps] = self.relight.as_ref().map_or([[0; 2]; 2], Relight::bytes);
         json!({
-            "transfer": levels.map(|t| t.bytes.len()).sum::<usize>(),
-            "maps": maps.map_or(0, |v| v.maps.iter().map(Vec::len).sum()),
+            "transfer": transfer[0],
+            "maps": maps[0],
+            "transfer_if_not_shared": transfer[1],
+            "maps_if_not_shared": maps[1],
             "frame": self.renderer.as_ref().map_or(0, LitRenderer::bytes),
         })
     }
@@ -256,8 +254,8 @@ impl Job<'_> {
 
     /// Whether transfer was computed for the leaves as they are now.
     fn same_leaves(&self) -> Result<()> {
-        let made_for = self.light.as_ref().map(|l| l.optics);
-        if made_for != Some(self.lit.optics_key()) {
+        let light = self.relight.as_ref().and_then(Relight::whole);
+        if light.map(|l| l.optics) != Some(self.lit.optics_key()) {
             return Err(Error::usage(
                 "--light: its transfer is that of other leaves; `umbrage light --keep` \
                  computes them again and keeps the sun's maps",
@@ -268,65 +266,20 @@ impl Job<'_> {
 
     /// The same by transfer vectors.
     fn by_vectors(&mut self, lighting: Lighting) -> Result<Vec<[f32; 3]>> {
-        let stored = self.light.as_ref().and_then(|l| l.transfer.first());
-        let Some(stored) = stored else {
-            return Err(Error::usage(
+        let relight = self.relight.as_mut().ok_or_else(|| {
+            Error::usage(
                 "--lighting: needs --light FILE with transfer vectors; `umbrage light` makes it",
-            ));
-        };
-        self.same_leaves()?;
-        let transfer = self
-            .timings
-            .measure("unpack transfer", || stored.transfer());
-        let sky = self
-            .timings
-            .measure("project sky", || self.film.sky.coefficients());
-        let lights = Lights {
-            sky: &sky,
-            sun: &self.film.sun.coefficients(self.args.window),
+            )
+        })?;
+        let how = Relighting {
+            window: self.args.window,
             direct_sun: lighting == Lighting::Prt,
             order: self.args.order as usize,
+            lod_pixels: self.args.lod_pixels,
         };
-        let mut radiance = self
-            .timings
-            .measure("relight", || exit_radiance(&transfer, &lights));
-        self.add_lamps((&transfer, stored.edge), &mut radiance, lighting);
-        if stored.edge == 0.0 {
-            return Ok(radiance);
-        }
-        let lod = Lod::new(&self.lit.geometry, stored.edge);
-        if lod.coarse.len() != stored.receivers() {
-            return Err(Error::usage(
-                "--light: has another level of detail than the model gives",
-            ));
-        }
-        Ok(self.timings.measure("spread", || lod.spread(&radiance)))
-    }
-
-    /// Light of the lamps over other leaves; for transfer alone, their direct light too.
-    fn add_lamps(
-        &self,
-        (transfer, edge): (&Transfer, f32),
-        radiance: &mut [[f32; 3]],
-        lighting: Lighting,
-    ) {
-        if self.film.lamps.is_empty() {
-            return;
-        }
-        let g = &self.lit.geometry;
-        let place = |v: usize| g.origin + g.positions[v].as_dvec3();
-        let places: Vec<DVec3> = if edge == 0.0 {
-            (0..g.positions.len()).map(place).collect()
-        } else {
-            let coarse = Lod::new(g, edge).coarse;
-            coarse.into_iter().map(|v| place(v as usize)).collect()
-        };
-        let what = LampTransfer {
-            direct: lighting == Lighting::Prt,
-            order: self.args.order as usize,
-            window: self.args.window,
-        };
-        lamp_transfer::add(radiance, transfer, (&places, &self.film.lamps), what);
+        let (film, vertices) = (&self.film, self.lit.vertices());
+        self.timings
+            .measure("relight", || relight.radiance(film, &how, vertices))
     }
 
     /// The share of each lamp that each vertex sees.
@@ -379,19 +332,15 @@ impl Job<'_> {
                     "--sun-shape: stored maps are those of a disc; leave --stored out",
                 ));
             }
-            let maps = self.light.as_ref().and_then(|l| l.visibility.as_ref());
-            let maps = maps
+            let relight = self
+                .relight
+                .as_ref()
                 .ok_or_else(|| Error::usage("--stored: needs --light FILE with visibility maps"))?;
-            if maps.splits != self.splits {
-                return Err(Error::usage(format!(
-                    "--splits {}: the light file has maps for {}",
-                    self.splits, maps.splits
-                )));
-            }
+            let refined = (&self.refined.geometry, self.splits);
             let blend = self.args.blended;
-            return Ok(self
+            return self
                 .timings
-                .measure("decode map", || maps.towards(towards, blend)));
+                .measure("decode map", || relight.visibility(towards, blend, refined));
         }
         let settings = LvcSettings {
             radius_degrees: self.film.sun.radius_degrees,

@@ -5,11 +5,13 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use super::{Job, Lights};
+use super::Job;
 use crate::abi::{LeafSides, Receiver};
 use crate::app::cli::light::{Lighting, RenderTransfer, SkyGloss};
+use crate::app::relight::Relight;
 use crate::leaf::gloss_view::GlossPass;
 use crate::leaf::levels::Level;
+use crate::leaf::light::Lighting as Lights;
 use crate::leaf::matrix::{StoredMatrices, diffuse};
 use crate::{Error, Result};
 
@@ -26,7 +28,7 @@ impl Job<'_> {
     /// Light besides the sun's direct one by matrices, where they are wanted and there: with vectors,
     /// which are exact for diffuse leaves, only the gloss of the surroundings is theirs.
     pub(super) fn by_matrices(&mut self, lighting: Lighting) -> Result<Option<Vec<[f32; 3]>>> {
-        let light = self.light.as_ref();
+        let light = self.relight.as_ref().and_then(Relight::whole);
         let stored = light.and_then(|l| l.matrices.as_ref());
         let vectors = light.is_some_and(|l| !l.transfer.is_empty());
         let Some(stored) = stored.filter(|_| self.args.transfer != RenderTransfer::Vector) else {
