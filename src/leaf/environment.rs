@@ -289,7 +289,9 @@ mod tests {
             Environment::Clear(super::super::sky::ClearSky::new(DVec3::Y, sun, 2.5)),
         ] {
             let turned = sky.turned(by);
-            for d in fibonacci_directions(50) {
+            // At the horizon the clear sky ends.
+            let off_horizon = |d: &DVec3| d.y.abs() > 1e-3;
+            for d in fibonacci_directions(50).into_iter().filter(off_horizon) {
                 let error = (turned.radiance(by * d) - sky.radiance(d)).abs();
                 assert!(error.max_element() < 1e-6, "{sky:?}: {error}");
             }
