@@ -306,8 +306,11 @@ impl<'a> Run<'a> {
         if self.saved.elapsed() < self.between {
             return Ok(());
         }
+        let start = Instant::now();
         update(&mut self.so_far)?;
         write_atomically(&self.checkpoint, &checkpoint::encode(&self.so_far))?;
+        // At most a tenth of the time goes into it, however large it is.
+        self.between = self.between.max(10 * start.elapsed());
         self.saved = Instant::now();
         Ok(())
     }
