@@ -310,7 +310,9 @@ impl<'a> Run<'a> {
         update(&mut self.so_far)?;
         write_atomically(&self.checkpoint, &checkpoint::encode(&self.so_far))?;
         // At most a tenth of the time goes into it, however large it is.
-        self.between = self.between.max(10 * start.elapsed());
+        if self.between > Duration::ZERO {
+            self.between = self.between.max(10 * start.elapsed());
+        }
         self.saved = Instant::now();
         Ok(())
     }
