@@ -15,6 +15,14 @@ use umbrage::scene::{Camera, CameraSpec, Lens};
 use crate::place::Place;
 use crate::small_model::small_tree;
 
+/// The leaves of the plants.
+const LEAF: [&str; 4] = [
+    "--reflectance",
+    "0.3,0.35,0.2",
+    "--transmittance",
+    "0.2,0.25,0.1",
+];
+
 const HOW: Relighting = Relighting {
     window: 0.002,
     direct_sun: true,
@@ -24,7 +32,12 @@ const HOW: Relighting = Relighting {
 
 fn lit(path: &str) -> LitModel {
     let source = path.parse().unwrap();
-    LitModel::new(&source, &[], None, &OpticsArgs::default()).unwrap()
+    let optics = OpticsArgs {
+        reflectance: LEAF[1].parse().ok(),
+        transmittance: LEAF[3].parse().ok(),
+        ..OpticsArgs::default()
+    };
+    LitModel::new(&source, &[], None, &optics).unwrap()
 }
 
 /// A sun and a sky that are nowhere alike.
@@ -69,7 +82,7 @@ fn scene(place: &Place, name: &str, places: &[&str]) -> String {
 
 fn light(place: &Place, what: &str, to: &str, more: &[&str]) -> PathBuf {
     let all = ["light", what, "-o", to, "--directions", "none"];
-    place.json(&[&all[..], more].concat());
+    place.json(&[&all[..], &LEAF, more].concat());
     place.path(to)
 }
 
@@ -157,7 +170,7 @@ fn wrong_files_for_plants_are_refused() {
     let one = scene(&place, "one.toml", &[""]);
     let draw = |lights: &[&'static str]| {
         let draw = ["render", &one, "-o", "out.png", "--lighting", "leaf"];
-        [&draw[..], lights].concat()
+        [&draw[..], &LEAF, lights].concat()
     };
     place.assert_refused(
         &draw(&["--light", "tall.light"]),
