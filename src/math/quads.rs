@@ -101,3 +101,72 @@ fn distinct<K: Ord + Copy>(count: usize, key: impl Fn(u32) -> ([K; 3], u32)) -> 
     kept.sort_unstable();
     kept
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sampling::uniform;
+
+    fn pairs(positions: &[Vec3], indices: &[u32]) -> Vec<Quad> {
+        let key = |i: u32| positions[i as usize].to_array().map(f32::to_bits);
+        pair(positions, indices, key, |_| 0)
+    }
+
+    /// A pair holds the corners of its triangles, and every triangle is in one pair.
+    fn check(positions: &[Vec3], indices: &[u32], quads: &[Quad], expected: &[u32]) {
+        let sorted = |corners: [u32; 3]| {
+            let mut at = corners.map(|i| positions[i as usize].to_array().map(f32::to_bits));
+            at.sort_unstable();
+            at
+        };
+        let mut found = Vec::new();
+        for quad in quads {
+            let [a, b, c, d] = quad.corners;
+            let [first, second] = quad.triangles;
+            let corners = |t: u32| [0, 1, 2].map(|k| indices[3 * t as usize + k]);
+            assert_eq!(sorted([a, b, c]), sorted(corners(first)));
+            found.push(first);
+            if second == first {
+                assert_eq!(c, d);
+            } else {
+                assert_eq!(sorted([d, b, c]), sorted(corners(second)));
+                found.push(second);
+            }
+        }
+        found.sort_unstable();
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn cards_become_one_pair_each() {
+        let random = |i: u32| Vec3::from([0, 1, 2].map(|k| uniform(5, 3 * i + k) as f32));
+        let mut positions = Vec::new();
+        let mut indices = Vec::new();
+        for card in 0..50 {
+            let (at, u, v) = (random(3 * card), random(3 * card + 1), random(3 * card + 2));
+            let first = positions.len() as u32;
+            positions.extend([at, at + 0.1 * u, at + 0.1 * (u + v), at + 0.1 * v]);
+            indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+        }
+        let quads = pairs(&positions, &indices);
+        assert_eq!(quads.len(), 50);
+        check(&positions, &indices, &quads, &(0..100).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn copies_and_triangles_without_area_are_left_out() {
+        let positions = [
+            Vec3::ZERO,
+            Vec3::X,
+            Vec3::Y,
+            Vec3::X,
+            Vec3::new(1.0, 1.0, 0.1),
+        ];
+        // The third is the first turned over, with another vertex in the same place.
+        let indices = [1, 1, 2, 0, 1, 2, 2, 3, 0, 2, 3, 4];
+        let quads = pairs(&positions, &indices);
+        assert_eq!(quads.len(), 1);
+        check(&positions, &indices, &quads, &[1, 3]);
+        assert!(pairs(&positions, &[]).is_empty());
+    }
+}

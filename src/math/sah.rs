@@ -215,3 +215,49 @@ impl Grid {
         best
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::sampling::uniform;
+
+    fn check(boxes: &[Bounds], limits: Limits) {
+        let (nodes, order) = build(boxes, limits);
+        let mut seen = vec![false; boxes.len()];
+        let mut open = vec![0u32];
+        while let Some(node) = open.pop() {
+            let node = nodes[node as usize];
+            if node.count == 0 {
+                let children = [node.first, node.first + 1];
+                let both = children.map(|c| nodes[c as usize].bounds);
+                assert_eq!(both[0].join(both[1]), node.bounds);
+                open.extend(children);
+                continue;
+            }
+            assert!(node.count as usize <= limits.leaf_size);
+            for &i in &order[node.first as usize..(node.first + node.count) as usize] {
+                assert_eq!(node.bounds.join(boxes[i as usize]), node.bounds);
+                assert!(!std::mem::replace(&mut seen[i as usize], true), "{i} twice");
+            }
+        }
+        assert!(seen.iter().all(|&s| s));
+    }
+
+    #[test]
+    fn every_box_is_in_one_leaf() {
+        let random = |i: u32| Vec3::from([0, 1, 2].map(|k| uniform(7, 3 * i + k) as f32));
+        let boxes: Vec<Bounds> = (0..500)
+            .map(|i| Bounds::of(&[random(2 * i), random(2 * i).lerp(random(2 * i + 1), 0.1)]))
+            .collect();
+        for (leaf_size, sah_depth) in [(3, 40), (1, 40), (4, 0), (3, 2)] {
+            let limits = Limits {
+                leaf_size,
+                sah_depth,
+            };
+            check(&boxes, limits);
+            // Boxes in one place cannot be told apart.
+            check(&[boxes[0]; 100], limits);
+            check(&boxes[..1], limits);
+        }
+    }
+}
