@@ -67,6 +67,8 @@ mod foliage;
 mod gpu;
 #[path = "abi/lamps.rs"]
 mod lamps;
+#[path = "abi/ink.rs"]
+mod ink;
 #[path = "abi/leaf.rs"]
 mod leaf;
 #[path = "abi/light.rs"]
@@ -77,6 +79,7 @@ mod render;
 pub use foliage::*;
 pub use gpu::*;
 pub use lamps::*;
+pub use ink::*;
 pub use leaf::*;
 pub use light::*;
 pub use render::*;
@@ -87,6 +90,7 @@ pub fn glsl() -> String {
     let parts = [
         gpu::glsl(),
         foliage::glsl(),
+        ink::glsl(),
         leaf::glsl(),
         light::glsl(),
         lamps::glsl(),
@@ -102,6 +106,7 @@ pub fn layouts() -> Vec<StructLayout> {
     [
         gpu::layouts(),
         foliage::layouts(),
+        ink::layouts(),
         leaf::layouts(),
         light::layouts(),
         lamps::layouts(),

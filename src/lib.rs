@@ -3,7 +3,7 @@
 //! The library is organised in rooms whose dependencies point one way:
 //!
 //! ```text
-//! app -> render -> {foliage, leaf} -> gpu  technique and programs over the mechanism
+//! app -> render -> {foliage, leaf, ink} -> gpu  technique and programs over the mechanism
 //!   \       \         \
 //!    +-------+---------+--> scene, math, abi, error
 //! reference -> math, scene, abi, error   the same kernels in f64 on the CPU, never Vulkan
@@ -17,6 +17,7 @@ pub mod app;
 pub mod error;
 pub mod foliage;
 pub mod gpu;
+pub mod ink;
 pub mod leaf;
 pub mod math;
 pub mod reference;

@@ -30,6 +30,6 @@ pub use settings::{
     AmbientMode, BackFaces, Encoding, Norm, NormalsMode, Primitive, Sampling, Settings,
     SurfaceNormals, Threshold,
 };
-pub use split::Split;
+pub use split::{Leaves, Split};
 pub use surface::{DensityGrid, Surface, Surfaced};
 pub use table::{SETTINGS, SettingInfo};

@@ -329,17 +329,23 @@ impl Draws<'_> {
         };
     }
 
-    /// Draws without an index buffer.
+    /// Draws without an index buffer: `gl_VertexIndex` goes through `vertices`.
     ///
     /// # Errors
     /// Never; kept fallible like its neighbours.
-    pub fn draw(&mut self, vertices: u32, instances: u32) -> Result<()> {
+    pub fn draw(&mut self, vertices: std::ops::Range<u32>, instances: u32) -> Result<()> {
         // SAFETY: a pipeline is bound.
         unsafe {
             self.gpu
                 .inner
                 .device
-                .cmd_draw(self.work.cmd, vertices, instances, 0, 0);
+                .cmd_draw(
+                    self.work.cmd,
+                    vertices.end - vertices.start,
+                    instances,
+                    vertices.start,
+                    0,
+                );
         };
         Ok(())
     }

@@ -193,7 +193,7 @@ impl Frame<'_> {
                 }
                 for rectangle in *rectangles {
                     draws.scissor(*rectangle);
-                    draws.draw(3, 1)?;
+                    draws.draw(0..3, 1)?;
                 }
             }
             Ok(())
@@ -392,7 +392,7 @@ impl Frame<'_> {
                 opacity: SLICE_OPACITY,
                 ..RenderOverlay::default()
             })?;
-            draws.draw(6, 1)?;
+            draws.draw(0..6, 1)?;
         }
         Ok(())
     }

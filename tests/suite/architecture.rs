@@ -15,9 +15,12 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("reference", &["math", "scene", "abi", "error"]),
     ("foliage", &["gpu", "scene", "math", "abi", "error"]),
     ("leaf", &["gpu", "scene", "math", "abi", "error"]),
+    ("ink", &["gpu", "scene", "math", "abi", "error"]),
     (
         "render",
-        &["foliage", "leaf", "gpu", "scene", "math", "abi", "error"],
+        &[
+            "foliage", "leaf", "ink", "gpu", "scene", "math", "abi", "error",
+        ],
     ),
     (
         "app",
@@ -25,6 +28,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "render",
             "foliage",
             "leaf",
+            "ink",
             "reference",
             "gpu",
             "scene",

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::chosen::Chosen;
+use super::ink::InkArgs;
 use super::light::LitArgs;
 use super::tables::{ExportTable, FoliageTable, PictureTable};
 use crate::app::input::Source;
@@ -81,6 +82,9 @@ pub struct RenderArgs {
     /// Light of leaves.
     #[command(flatten)]
     pub lit: LitArgs,
+    /// Pen and ink.
+    #[command(flatten)]
+    pub ink: InkArgs,
     /// Settings of the picture.
     #[command(flatten)]
     pub picture: Chosen<PictureTable>,
@@ -100,7 +104,8 @@ Examples:
   umbrage render wood.toml -o wood.png --timings
   umbrage render oak.glb -o oak.png --lighting leaf --light oak.light
   umbrage render oak.glb -o sheet.png --lighting prt,leaf,truth --light oak.light --difference
-  umbrage render oak.glb -o lamp.png --lighting lvc --lamp disc:0,4,3/0,-0.6,-0.8/0.2/60,50,40";
+  umbrage render oak.glb -o lamp.png --lighting lvc --lamp disc:0,4,3/0,-0.6,-0.8/0.2/60,50,40
+  umbrage render oak.glb -o oak.png --style silhouette-hatching";
 }
 
 /// Arguments of `bake`.

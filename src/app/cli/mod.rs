@@ -3,6 +3,7 @@
 pub mod chosen;
 pub mod commands;
 pub mod global;
+pub mod ink;
 pub mod leaf;
 pub mod light;
 mod ranges;

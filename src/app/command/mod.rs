@@ -11,6 +11,7 @@ pub mod leaf;
 pub mod light;
 mod lit_sheet;
 pub mod render;
+pub mod render_ink;
 pub mod render_lit;
 pub mod settings;
 pub mod surface;

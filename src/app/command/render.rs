@@ -28,6 +28,9 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     if !args.lit.lighting.is_empty() {
         return super::render_lit::run(context, args);
     }
+    if args.ink.style.is_some() {
+        return super::render_ink::run(context, args);
+    }
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &["png", "jpg", "jpeg"])?;
     for source in &args.inputs {

@@ -1,0 +1,74 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "abi.glsl"
+
+// Lines, strokes and washes on paper.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 0) const bool CONTOUR = false;
+layout(constant_id = 1) const bool SILHOUETTE = false;
+layout(constant_id = 2) const bool HATCHING = false;
+layout(constant_id = 3) const bool SHADING = false;
+layout(constant_id = 4) const bool COLOUR = false;
+layout(set = 0, binding = 0) uniform sampler2D depth_map;
+layout(set = 0, binding = 1) uniform sampler2D albedo_map;
+layout(set = 0, binding = 2) uniform sampler2D normal_map;
+layout(set = 0, binding = 3) uniform sampler2D hatch_map;
+layout(set = 0, binding = 4) uniform sampler2D contour_map;
+layout(set = 0, binding = 5) uniform sampler2D silhouette_map;
+layout(set = 0, binding = 6) uniform sampler2D tiles;
+layout(set = 0, binding = 7, rgba16f) uniform restrict writeonly image2D picture;
+layout(push_constant, scalar) uniform Push { InkCompose push; };
+
+// Contours are one pixel wide: widened to the style's width.
+float line(ivec2 pixel) {
+    int reach = min(int(ceil(push.half_width)), INK_WIDEN);
+    ivec2 last = ivec2(push.width, push.height) - 1;
+    float most = 0.0;
+    for (int y = -reach; y <= reach; y++) {
+        for (int x = -reach; x <= reach; x++) {
+            ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), last);
+            float edge = clamp(push.half_width + 0.5 - length(vec2(x, y)), 0.0, 1.0);
+            most = max(most, edge * texelFetch(contour_map, at, 0).r);
+        }
+    }
+    return most;
+}
+
+// Ink of the tile at its threshold: the texel says from which darkness on it is ink.
+float hatched(vec3 hatch, float darkness) {
+    float level = clamp(hatch.z, 0.0, float(INK_LEVELS) - 1.0);
+    float threshold = textureLod(tiles, hatch.xy, level).r;
+    return darkness > 0.0 ? smoothstep(-0.06, 0.06, darkness - threshold) : 0.0;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
+        return;
+    }
+    vec3 under = push.paper;
+    float dry = 1.0;
+    if (CONTOUR) {
+        dry *= 1.0 - push.contour * line(pixel);
+    }
+    if (texelFetch(depth_map, pixel, 0).r > 0.0) {
+        float tone = SHADING || HATCHING ? texelFetch(normal_map, pixel, 0).w : 1.0;
+        if (COLOUR) {
+            under = mix(under, texelFetch(albedo_map, pixel, 0).rgb, push.colour);
+        }
+        if (SHADING) {
+            float stepped = push.steps > 0.0 ? (floor(tone * push.steps) + 0.5) / push.steps : tone;
+            under *= mix(1.0, stepped, push.shading);
+        }
+        if (SILHOUETTE) {
+            dry *= 1.0 - push.silhouette * texelFetch(silhouette_map, pixel, 0).r;
+        }
+        if (HATCHING) {
+            float darkness = pow(clamp(1.0 - tone / max(push.white, 1e-3), 0.0, 1.0), push.gamma);
+            dry *= 1.0 - push.hatching * hatched(texelFetch(hatch_map, pixel, 0).xyz, darkness);
+        }
+    }
+    imageStore(picture, pixel, vec4(mix(push.ink, under, dry), 1.0));
+}

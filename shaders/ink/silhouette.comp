@@ -1,0 +1,67 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "abi.glsl"
+
+// Strokes along silhouettes (Coconu, Deussen, Hege 2006, section 5): from a pixel outwards along
+// the cluster's normal to the contour gives v, the angle about the cluster gives u.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(set = 0, binding = 0) uniform sampler2D ids_map;
+layout(set = 0, binding = 1) uniform sampler2D direction_map;
+layout(set = 0, binding = 2) uniform sampler2D normal_map;
+layout(set = 0, binding = 3) uniform sampler2D contour_map;
+layout(set = 0, binding = 4) uniform sampler2D strokes;
+layout(set = 0, binding = 5, scalar) restrict readonly buffer Clusters { InkCluster clusters[]; };
+layout(set = 0, binding = 6, r32f) uniform restrict writeonly image2D silhouette;
+layout(push_constant, scalar) uniform Push { InkSilhouette push; };
+
+// Pixels from here to the contour of the same object; the reach where there is none.
+uint steps_to_contour(ivec2 pixel, vec2 outward, float object) {
+    ivec2 size = ivec2(push.width, push.height);
+    uint found = push.reach;
+    for (uint step = 0u; step < min(push.reach, INK_WALK); step++) {
+        ivec2 at = ivec2(floor(vec2(pixel) + 0.5 + float(step) * outward));
+        if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) {
+            break;
+        }
+        bool line = texelFetch(contour_map, at, 0).r > 0.0;
+        if (line && texelFetch(ids_map, at, 0).x == object) {
+            found = step;
+            break;
+        }
+    }
+    return found;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
+        return;
+    }
+    vec2 ids = texelFetch(ids_map, pixel, 0).xy;
+    vec2 e = texelFetch(direction_map, pixel, 0).xy;
+    float size = length(e);
+    float ink = 0.0;
+    if (ids.y > 0.0 && size >= 0.1) {
+        vec2 outward = e / size;
+        uint steps = steps_to_contour(pixel, outward, ids.x);
+        InkCluster cluster = clusters[uint(ids.y) - 1u];
+        if (steps < push.reach && cluster.pixel_radius > 0.0) {
+            vec2 up = cluster.texture_up;
+            // Angle from the texture's direction to the outward one, in a picture whose y goes up.
+            vec2 o = vec2(outward.x, -outward.y);
+            float angle = atan(up.x * o.y - up.y * o.x, dot(up, o));
+            // A whole number of repeats, so that no seam shows.
+            float around = 6.28318531 * push.aspect * cluster.pixel_radius / push.band_length;
+            float repeats = max(1.0, floor(around + 0.5));
+            vec2 at = vec2(repeats * angle / 6.28318531, (float(steps) + 0.5) / float(push.reach));
+            vec4 channels = textureLod(strokes, at, 0.0);
+            float shade = 3.0 * clamp(texelFetch(normal_map, pixel, 0).w, 0.0, 1.0);
+            uint first = uint(floor(shade + (push.blend != 0u ? 0.0 : 0.5)));
+            float next = channels[min(first + 1u, 3u)];
+            ink = push.blend != 0u ? mix(channels[min(first, 3u)], next, fract(shade)) : channels[min(first, 3u)];
+        }
+    }
+    imageStore(silhouette, pixel, vec4(ink));
+}

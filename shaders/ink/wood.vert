@@ -1,0 +1,28 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "abi.glsl"
+
+// A vertex of whatever is no leaf.
+
+layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { InkFrame frame; };
+layout(set = 0, binding = 1, scalar) restrict readonly buffer Positions { vec3 positions[]; };
+layout(set = 0, binding = 2, scalar) restrict readonly buffer Normals { vec3 normals[]; };
+layout(set = 0, binding = 3, scalar) restrict readonly buffer Texcoords { vec2 texcoords[]; };
+layout(set = 0, binding = 4, scalar) restrict readonly buffer Hatches { vec2 hatches[]; };
+layout(push_constant, scalar) uniform Push { InkWoodDraw push; };
+
+layout(location = 0) out vec3 out_position;
+layout(location = 1) out vec3 out_normal;
+layout(location = 2) out vec2 out_texcoord;
+layout(location = 3) out vec2 out_hatch;
+
+void main() {
+    uint vertex = uint(gl_VertexIndex);
+    out_position = positions[vertex];
+    out_normal = normals[vertex];
+    vec3 uv = vec3(texcoords[vertex], 1.0);
+    out_texcoord = vec2(dot(push.texcoord_u, uv), dot(push.texcoord_v, uv));
+    out_hatch = hatches[vertex];
+    gl_Position = frame.relative_to_clip * vec4(out_position, 1.0);
+}

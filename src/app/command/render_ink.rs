@@ -1,0 +1,139 @@
+//! `umbrage render --style`: plants in pen and ink.
+
+use serde_json::json;
+
+use super::render::encode;
+use crate::app::cli::RenderArgs;
+use crate::app::output::{PendingFile, check_apart, check_ending};
+use crate::app::prepared::Prepared;
+use crate::app::settings::picture_settings;
+use crate::app::timing::Timings;
+use crate::app::{Context, Report, console};
+use crate::foliage::{Leaves, Primitive};
+use crate::ink::leaves::LeafTriangles;
+use crate::ink::plan::InkPlan;
+use crate::ink::plant::{CrownLight, Plant};
+use crate::ink::renderer::{Drawing, InkRenderer, InkScene};
+use crate::ink::style::Style;
+use crate::ink::view::View;
+use crate::math::colour::linear_to_srgb8;
+use crate::math::packing::f16_to_f32;
+use crate::render::Picture;
+use crate::scene::{Camera, Lens};
+use crate::{Error, Result};
+
+/// Draws the model in a style.
+///
+/// # Errors
+/// Wrong input, style or settings, a model without leaves, a failing device.
+pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
+    let named = args.ink.style.as_deref().unwrap_or_default();
+    let style = Style::named(named)?;
+    picture_settings(None, &args.picture)?;
+    check_ending(&args.output, &["png", "jpg", "jpeg"])?;
+    let [source] = args.inputs.as_slice() else {
+        return Err(Error::usage("--style: takes one model"));
+    };
+    check_apart(&args.output, source.files(&args.model.textures))?;
+    let output = PendingFile::create(&args.output)?;
+    let mut timings = Timings::default();
+    let pattern = args.model.foliage.as_deref();
+    let textures = &args.model.textures;
+    let prepared = Prepared::new(source, textures, pattern, &args.settings, &mut timings)?;
+    let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
+    let plan = InkPlan::new(&style);
+    let baked = if plan.crown {
+        Some(prepared.bake(context, &mut timings)?.bake)
+    } else {
+        None
+    };
+    let split = prepared.split()?;
+    let (model, geometry) = (&prepared.input.model, &prepared.geometry);
+    let plant = timings.measure("leaves and clusters", || {
+        let indices = &split.foliage_indices;
+        let leaves = Leaves::new(&geometry.positions, indices, Primitive::Leaf);
+        let triangles = LeafTriangles {
+            indices,
+            first: &leaves.first,
+            triangles: &leaves.triangles,
+        };
+        let light = baked.as_ref().map(|b| CrownLight {
+            normals: &b.normals,
+            ambient: &b.ambient,
+        });
+        let foliage = &split.foliage_parts;
+        Plant::new(model, geometry, triangles, foliage, light, &style)
+    })?;
+    let factor = args.ink.ink_supersample;
+    let size = settings.size.map(|s| s * factor);
+    let lens = Lens {
+        fov: settings.fov,
+        aspect: f64::from(size[0]) / f64::from(size[1]),
+        margin: settings.margin,
+    };
+    let points = geometry.positions.iter().copied();
+    let camera = Camera::new(&settings.camera, lens, geometry.origin, points);
+    let to_sun = settings.sun.direction().as_vec3();
+    let view = View::new(camera, geometry.origin, size, to_sun, &geometry.positions);
+    let scene = InkScene {
+        model,
+        geometry,
+        plant: &plant,
+    };
+    let _working = console::working("drawing");
+    let renderer = timings.measure("upload", || {
+        InkRenderer::new(context.gpu()?, &scene, &style, &view, factor)
+    })?;
+    let drawing = renderer.draw(&scene, &view)?;
+    timings.add_passes(&drawing.passes);
+    let picture = timings.measure("reduce", || reduced(&drawing, factor));
+    output.commit(&encode(&picture, &args.output)?)?;
+    let mut text = format!(
+        "{}: {}x{}, {} leaves in {} clusters\n",
+        args.output.display(),
+        picture.width,
+        picture.height,
+        plant.leaves.len(),
+        plant.clusters.len()
+    );
+    if context.timings() {
+        text += &format!("\n{}", timings.table());
+    }
+    let json = json!({
+        "output": args.output, "style": named, "width": picture.width, "height": picture.height,
+        "leaves": plant.leaves.len(), "clusters": plant.clusters.len(),
+        "passes": plan.passes(), "image_bytes": plan.bytes(size), "times": timings.json(),
+    });
+    Ok(Report::new(text, json))
+}
+
+/// Means of `factor` x `factor` pixels, as sRGB.
+fn reduced(drawing: &Drawing, factor: u32) -> Picture {
+    let [width, height] = drawing.size.map(|s| s / factor);
+    let row = drawing.size[0] as usize;
+    let half = |at: usize| {
+        let bytes = &drawing.pixels[2 * at..2 * at + 2];
+        f16_to_f32(u16::from_le_bytes([bytes[0], bytes[1]]))
+    };
+    let mut rgba = Vec::with_capacity((width * height * 4) as usize);
+    let samples = (factor * factor) as f32;
+    for y in 0..height as usize {
+        for x in 0..width as usize {
+            let mut sum = [0.0_f32; 3];
+            for k in 0..(factor * factor) as usize {
+                let (fx, fy) = (k % factor as usize, k / factor as usize);
+                let at = (y * factor as usize + fy) * row + x * factor as usize + fx;
+                for (c, s) in sum.iter_mut().enumerate() {
+                    *s += half(4 * at + c);
+                }
+            }
+            rgba.extend(sum.map(|s| linear_to_srgb8(s / samples)));
+            rgba.push(255);
+        }
+    }
+    Picture {
+        width,
+        height,
+        rgba,
+    }
+}

@@ -1,0 +1,13 @@
+//! Pen and ink: foliage as drawn clusters of leaves (Coconu, Deussen, Hege 2006; Deussen,
+//! Strothotte 2000).
+
+pub mod clusters;
+mod hashing;
+pub mod leaves;
+pub mod plan;
+pub mod plant;
+pub mod renderer;
+pub mod shape;
+pub mod strokes;
+pub mod style;
+pub mod view;

@@ -1,0 +1,177 @@
+//! What a style needs: attributes of stage 1, passes of stage 2. What is not listed is neither
+//! allocated nor computed.
+
+use super::style::Style;
+use crate::abi;
+use crate::gpu::Format;
+
+/// An attribute of stage 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Attribute {
+    /// Base colour.
+    Albedo,
+    /// Shading normal and tone.
+    Normal,
+    /// Linear eye depth.
+    Depth,
+    /// Object and cluster.
+    Ids,
+    /// Projection of the cluster's normal.
+    Direction,
+    /// Hatch coordinates.
+    Hatch,
+}
+
+impl Attribute {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Albedo,
+        Self::Normal,
+        Self::Depth,
+        Self::Ids,
+        Self::Direction,
+        Self::Hatch,
+    ];
+
+    /// Its number in shaders.
+    #[must_use]
+    pub fn number(self) -> u32 {
+        match self {
+            Self::Albedo => abi::INK_ALBEDO,
+            Self::Normal => abi::INK_NORMAL,
+            Self::Depth => abi::INK_DEPTH,
+            Self::Ids => abi::INK_IDS,
+            Self::Direction => abi::INK_DIRECTION,
+            Self::Hatch => abi::INK_HATCH,
+        }
+    }
+
+    /// Its name in plans and messages.
+    #[must_use]
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Albedo => "ink albedo",
+            Self::Normal => "ink normal",
+            Self::Depth => "ink depth",
+            Self::Ids => "ink ids",
+            Self::Direction => "ink direction",
+            Self::Hatch => "ink hatch",
+        }
+    }
+
+    /// Format of its target.
+    #[must_use]
+    pub fn format(self) -> Format {
+        match self {
+            Self::Albedo => Format::Rgba8Srgb,
+            Self::Normal | Self::Hatch => Format::Rgba16Float,
+            Self::Depth => Format::R32Float,
+            Self::Ids => Format::Rg32Float,
+            Self::Direction => Format::Rg16Float,
+        }
+    }
+}
+
+/// What a picture in a style takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct InkPlan {
+    /// Outlines by depth are searched.
+    pub contour: bool,
+    /// The threshold of contours depends on the clusters' normals.
+    pub detail: bool,
+    /// Strokes along outlines are drawn.
+    pub silhouette: bool,
+    /// Strokes for tone are drawn.
+    pub hatching: bool,
+    /// Shading shows.
+    pub shading: bool,
+    /// The model's colours show.
+    pub colour: bool,
+    /// The foliage bake is needed (normals and ambient coefficient of crowns).
+    pub crown: bool,
+}
+
+impl InkPlan {
+    /// The plan of a style.
+    #[must_use]
+    pub fn new(style: &Style) -> Self {
+        let silhouette = style.silhouette.strength > 0.0;
+        let hatching = style.hatching.strength > 0.0;
+        let shading = style.shading.strength > 0.0;
+        let tone = silhouette || hatching || shading;
+        Self {
+            contour: style.contour.strength > 0.0 || silhouette,
+            detail: style.contour.detail > 0.0,
+            silhouette,
+            hatching,
+            shading,
+            colour: style.shading.colour > 0.0,
+            crown: tone && (style.shading.crown > 0.0 || style.shading.depth > 0.0),
+        }
+    }
+
+    /// Attributes of stage 1, in the order of its targets.
+    #[must_use]
+    pub fn attributes(&self) -> Vec<Attribute> {
+        let tone = self.silhouette || self.hatching || self.shading;
+        let wanted = |a: &Attribute| match a {
+            Attribute::Albedo => self.colour,
+            Attribute::Normal => tone,
+            Attribute::Depth => true,
+            Attribute::Ids => self.contour,
+            Attribute::Direction => self.silhouette || (self.contour && self.detail),
+            Attribute::Hatch => self.hatching,
+        };
+        Attribute::ALL.into_iter().filter(wanted).collect()
+    }
+
+    /// Passes in their order.
+    #[must_use]
+    pub fn passes(&self) -> Vec<&'static str> {
+        let all = [
+            (true, "ink stage 1"),
+            (self.contour, "ink contour"),
+            (self.contour, "ink clean"),
+            (self.silhouette, "ink silhouette"),
+            (true, "ink compose"),
+        ];
+        all.iter().filter(|p| p.0).map(|p| p.1).collect()
+    }
+
+    /// Bytes of the images of stage 1 and 2 for a picture of `size` pixels.
+    #[must_use]
+    pub fn bytes(&self, [width, height]: [u32; 2]) -> u64 {
+        let pixels = u64::from(width) * u64::from(height);
+        let stage1: u64 = self.attributes().iter().map(|a| a.format().bytes()).sum();
+        let lines = 2 * u64::from(self.contour) + u64::from(self.silhouette);
+        let depth = Format::Depth32.bytes();
+        pixels * (stage1 + depth + lines + Format::Rgba16Float.bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn switching_a_thing_off_removes_its_attributes_passes_and_bytes() {
+        let mut style = Style::named("full").unwrap();
+        style.silhouette.strength = 1.0;
+        let all = InkPlan::new(&style);
+        style.silhouette.strength = 0.0;
+        let without = InkPlan::new(&style);
+        assert!(all.passes().contains(&"ink silhouette"));
+        assert!(!without.passes().contains(&"ink silhouette"));
+        assert!(without.bytes([64, 64]) < all.bytes([64, 64]));
+        style.hatching.strength = 0.0;
+        style.shading.colour = 0.0;
+        style.shading.strength = 0.0;
+        let lines = InkPlan::new(&style);
+        assert_eq!(lines.attributes(), [Attribute::Depth, Attribute::Ids]);
+        assert!(!lines.crown, "lines need no bake");
+        style.contour.strength = 0.0;
+        let nothing = InkPlan::new(&style);
+        assert_eq!(nothing.attributes(), [Attribute::Depth]);
+        assert_eq!(nothing.passes(), ["ink stage 1", "ink compose"]);
+    }
+}

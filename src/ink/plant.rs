@@ -1,0 +1,306 @@
+//! What is drawn: leaves in clusters with their shapes, and the wood between them.
+
+use std::collections::HashMap;
+
+use glam::{Vec2, Vec3};
+
+use super::clusters::{Choice, Clusters};
+use super::leaves::{Leaf, LeafTriangles, leaves};
+use super::shape::Shape;
+use super::style::Style;
+use crate::abi::InkLeaf;
+use crate::scene::textures::{self, Rgba8};
+use crate::scene::{AlphaMode, Geometry, Material, Model, Wrap};
+use crate::{Error, Result};
+
+/// Different shapes of one plant; further ones look like the first of their material.
+const SHAPES: usize = 64;
+/// Alpha from which on a blended material is leaf.
+const BLEND_CUTOFF: f32 = 0.5;
+
+/// A plant, ready to be drawn in any style of one cluster radius.
+#[derive(Debug, Clone)]
+pub struct Plant {
+    /// Leaves, those of one material after the other.
+    pub leaves: Vec<Leaf>,
+    /// Their clusters.
+    pub clusters: Clusters,
+    /// Shapes that leaves name.
+    pub shapes: Vec<Shape>,
+    /// Shape of each leaf.
+    pub shape_of: Vec<u32>,
+    /// Unit normal of the crown and ambient coefficient about each leaf.
+    pub crown: Vec<(Vec3, f32)>,
+    /// Radius of a median leaf, metres.
+    pub leaf_radius: f32,
+    /// Ranges of leaves by material.
+    pub batches: Vec<(u32, std::ops::Range<u32>)>,
+    /// Index ranges of the geometry that are no leaves, with material and instance.
+    pub wood: Vec<(usize, usize, std::ops::Range<u32>)>,
+}
+
+/// Normals and ambient coefficients of a foliage bake, for each vertex.
+#[derive(Debug, Clone, Copy)]
+pub struct CrownLight<'a> {
+    /// Realigned unit normals.
+    pub normals: &'a [Vec3],
+    /// Ambient coefficients.
+    pub ambient: &'a [f32],
+}
+
+impl Plant {
+    /// Gathers the leaves of `model`. `foliage` says which parts of the geometry are leaves.
+    ///
+    /// # Errors
+    /// A plant without leaves, a texture that cannot be decoded.
+    pub fn new(
+        model: &Model,
+        geometry: &Geometry,
+        triangles: LeafTriangles<'_>,
+        foliage: &[bool],
+        light: Option<CrownLight<'_>>,
+        style: &Style,
+    ) -> Result<Self> {
+        let (mut found, kept) = leaves(model, geometry, triangles);
+        if found.is_empty() {
+            return Err(Error::usage(format!(
+                "{}: has no leaves that a style could draw",
+                model.name
+            )));
+        }
+        let mut crown = crown_light(geometry, triangles, &kept, light);
+        let mut order: Vec<usize> = (0..found.len()).collect();
+        order.sort_by_key(|&i| found[i].material);
+        found = order.iter().map(|&i| found[i]).collect();
+        crown = order.iter().map(|&i| crown[i]).collect();
+        let centres: Vec<Vec3> = found.iter().map(|l| l.centre).collect();
+        let choice = if style.leaves.first_fit {
+            Choice::First
+        } else {
+            Choice::Smallest
+        };
+        let radius = style.leaves.cluster_radius * diagonal(&centres).max(f32::MIN_POSITIVE);
+        let clusters = Clusters::new(&centres, radius, choice)?;
+        let (shapes, shape_of) = shapes(model, geometry, triangles, &kept, &found, &order)?;
+        let mut radii: Vec<f32> = found.iter().map(|l| l.radius).collect();
+        radii.sort_by(f32::total_cmp);
+        let mut batches: Vec<(u32, std::ops::Range<u32>)> = Vec::new();
+        for (i, leaf) in (0_u32..).zip(&found) {
+            match batches.last_mut() {
+                Some((material, range)) if *material == leaf.material => range.end = i + 1,
+                _ => batches.push((leaf.material, i..i + 1)),
+            }
+        }
+        let parts = geometry.parts.iter().enumerate();
+        let wood = parts
+            .filter(|(i, p)| !foliage.get(*i).copied().unwrap_or(false) && p.index_count > 0)
+            .map(|(_, p)| {
+                let range = p.index_range();
+                (p.material, p.instance, range.start as u32..range.end as u32)
+            })
+            .collect();
+        Ok(Self {
+            leaf_radius: radii[radii.len() / 2],
+            leaves: found,
+            clusters,
+            shapes,
+            shape_of,
+            crown,
+            batches,
+            wood,
+        })
+    }
+
+    /// The leaves as kernels see them. `seed` fixes the order in which they are dropped.
+    #[must_use]
+    pub fn records(&self, seed: u32) -> Vec<InkLeaf> {
+        let record = |(i, leaf): (usize, &Leaf)| {
+            let (crown_normal, ambient) = self.crown[i];
+            let across = leaf.texcoord_per_metre.x_axis * leaf.radius;
+            let along = leaf.texcoord_per_metre.y_axis * leaf.radius;
+            InkLeaf {
+                centre: leaf.centre.to_array(),
+                radius: leaf.radius,
+                normal: leaf.normal.to_array(),
+                cluster: self.clusters.of_leaf[i],
+                axis: leaf.axis.to_array(),
+                shape: self.shape_of[i],
+                crown_normal: crown_normal.to_array(),
+                ambient,
+                texcoord: leaf.texcoord.to_array(),
+                texcoord_across: across.to_array(),
+                texcoord_along: along.to_array(),
+                rank: rank(i as u32, seed),
+                object: leaf.instance,
+            }
+        };
+        self.leaves.iter().enumerate().map(record).collect()
+    }
+}
+
+/// A number in [0, 1) of a leaf: its place in the order in which leaves are dropped.
+fn rank(leaf: u32, seed: u32) -> f32 {
+    let mut x = leaf ^ seed.wrapping_mul(0x9e37_79b9);
+    // lowbias32 (Wellons 2018).
+    x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    ((x ^ (x >> 16)) >> 8) as f32 / 16_777_216.0
+}
+
+fn diagonal(points: &[Vec3]) -> f32 {
+    let far = Vec3::splat(f32::INFINITY);
+    let low = points.iter().copied().fold(far, Vec3::min);
+    let high = points.iter().copied().fold(-far, Vec3::max);
+    (high - low).length()
+}
+
+/// Mean of a bake over each leaf's corners; without a bake away from the crown's middle, open.
+fn crown_light(
+    g: &Geometry,
+    triangles: LeafTriangles<'_>,
+    kept: &[Option<u32>],
+    light: Option<CrownLight<'_>>,
+) -> Vec<(Vec3, f32)> {
+    let ranges = triangles.first.windows(2).zip(kept).filter(|(_, k)| k.is_some());
+    let mean = |range: &[u32]| {
+        let list = &triangles.triangles[range[0] as usize..range[1] as usize];
+        let corners = list
+            .iter()
+            .flat_map(|&t| &triangles.indices[3 * t as usize..3 * t as usize + 3]);
+        let (mut normal, mut ambient, mut count) = (Vec3::ZERO, 0.0, 0.0);
+        for &v in corners {
+            let v = v as usize;
+            match light {
+                Some(light) => {
+                    normal += light.normals[v];
+                    ambient += light.ambient[v];
+                }
+                None => {
+                    normal += g.positions[v];
+                    ambient += 1.0;
+                }
+            }
+            count += 1.0;
+        }
+        (normal.try_normalize().unwrap_or(Vec3::Y), ambient / count)
+    };
+    ranges.map(|(range, _)| mean(range)).collect()
+}
+
+/// Shapes by material and place in the texture; where there is no texture, by material.
+fn shapes(
+    model: &Model,
+    g: &Geometry,
+    triangles: LeafTriangles<'_>,
+    kept: &[Option<u32>],
+    leaves: &[Leaf],
+    order: &[usize],
+) -> Result<(Vec<Shape>, Vec<u32>)> {
+    // Leaves that were kept, by their first number: where their triangles are.
+    let source: Vec<usize> = (0..kept.len()).filter(|&i| kept[i].is_some()).collect();
+    let mut images: HashMap<usize, Rgba8> = HashMap::new();
+    let mut known: HashMap<(u32, [i32; 6]), u32> = HashMap::new();
+    let mut first_of: HashMap<u32, u32> = HashMap::new();
+    let mut shapes = Vec::new();
+    let mut of_leaf = Vec::with_capacity(leaves.len());
+    for (leaf, &from) in leaves.iter().zip(order) {
+        let key = (leaf.material, key(leaf));
+        if let Some(&shape) = known.get(&key) {
+            of_leaf.push(shape);
+            continue;
+        }
+        if shapes.len() >= SHAPES
+            && let Some(&shape) = first_of.get(&leaf.material)
+        {
+            of_leaf.push(shape);
+            continue;
+        }
+        let material = &model.materials[leaf.material as usize];
+        let cut = cut(model, material, &mut images)?;
+        let range = &triangles.first[source[from]..source[from] + 2];
+        let corners: Vec<[Vec2; 3]> = triangles.triangles[range[0] as usize..range[1] as usize]
+            .iter()
+            .map(|&t| {
+                [0, 1, 2].map(|k| {
+                    let v = triangles.indices[3 * t as usize + k] as usize;
+                    leaf.local(g.positions[v])
+                })
+            })
+            .collect();
+        let covers = |p: Vec2| {
+            corners.iter().any(|c| inside(p, c))
+                && cut.as_ref().is_none_or(|c| c.shows(leaf.texcoord_at(p)))
+        };
+        let shape = shapes.len() as u32;
+        shapes.push(Shape::new(covers));
+        known.insert(key, shape);
+        first_of.entry(leaf.material).or_insert(shape);
+        of_leaf.push(shape);
+    }
+    Ok((shapes, of_leaf))
+}
+
+/// Place in the texture to a hundredth: leaves of one key look alike.
+fn key(leaf: &Leaf) -> [i32; 6] {
+    let across = leaf.texcoord_per_metre.x_axis * leaf.radius;
+    let along = leaf.texcoord_per_metre.y_axis * leaf.radius;
+    let t = leaf.texcoord;
+    [t.x, t.y, across.x, across.y, along.x, along.y].map(|v| (v * 100.0).round() as i32)
+}
+
+fn inside(p: Vec2, [a, b, c]: &[Vec2; 3]) -> bool {
+    let side = |a: Vec2, b: Vec2| (b - a).perp_dot(p - a);
+    let (x, y, z) = (side(*a, *b), side(*b, *c), side(*c, *a));
+    (x >= 0.0 && y >= 0.0 && z >= 0.0) || (x <= 0.0 && y <= 0.0 && z <= 0.0)
+}
+
+/// Alpha of a masked material.
+struct Cut<'a> {
+    image: &'a Rgba8,
+    least: f32,
+    transform: [[f32; 3]; 2],
+    wrap: [Wrap; 2],
+}
+
+impl Cut<'_> {
+    fn shows(&self, uv: Vec2) -> bool {
+        let [u, v] = self.transform.map(|m| m[0] * uv.x + m[1] * uv.y + m[2]);
+        let along = |at: f32, size: u32, wrap: Wrap| {
+            let at = match wrap {
+                Wrap::Repeat => at - at.floor(),
+                Wrap::Clamp => at.clamp(0.0, 1.0),
+                Wrap::Mirror => 1.0 - (2.0 * (0.5 * at - (0.5 * at).floor()) - 1.0).abs(),
+            };
+            ((at * size as f32) as usize).min(size as usize - 1)
+        };
+        let x = along(u, self.image.width, self.wrap[0]);
+        let y = along(v, self.image.height, self.wrap[1]);
+        let alpha = self.image.pixels[4 * (y * self.image.width as usize + x) + 3];
+        f32::from(alpha) / 255.0 >= self.least
+    }
+}
+
+fn cut<'a>(
+    model: &Model,
+    material: &Material,
+    images: &'a mut HashMap<usize, Rgba8>,
+) -> Result<Option<Cut<'a>>> {
+    let cutoff = match material.alpha_mode {
+        AlphaMode::Opaque => return Ok(None),
+        AlphaMode::Mask { cutoff } => cutoff,
+        AlphaMode::Blend => BLEND_CUTOFF,
+    };
+    let Some(reference) = material.base_color_texture else {
+        return Ok(None);
+    };
+    let texture = &model.textures[reference.texture];
+    if !images.contains_key(&texture.image) {
+        images.insert(texture.image, textures::decode(&model.images[texture.image])?);
+    }
+    Ok(images.get(&texture.image).map(|image| Cut {
+        image,
+        least: cutoff / material.base_color[3].max(f32::MIN_POSITIVE),
+        transform: reference.transform,
+        wrap: [texture.wrap_u, texture.wrap_v],
+    }))
+}

@@ -1,0 +1,383 @@
+//! A drawing style: the axes of Coconu, Deussen, Hege 2006 (figure 2) as numbers, in a file.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Result};
+
+/// Version of style files.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// A style. Every number has a range ([`Style::check`]); unknown keys of a file are errors.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Style {
+    /// [`FORMAT_VERSION`].
+    pub format_version: u32,
+    /// What it looks like, in a sentence.
+    pub description: String,
+    /// Seed of strokes and of the order of leaves.
+    #[serde(default)]
+    pub seed: u32,
+    /// Clusters and leaves.
+    #[serde(default)]
+    pub leaves: Leaves,
+    /// Outlines by depth.
+    #[serde(default)]
+    pub contour: Contour,
+    /// Strokes along outlines.
+    #[serde(default)]
+    pub silhouette: Silhouette,
+    /// Strokes for tone.
+    #[serde(default)]
+    pub hatching: Hatching,
+    /// Light.
+    #[serde(default)]
+    pub shading: Shading,
+    /// Paper and ink.
+    #[serde(default)]
+    pub paper: Paper,
+}
+
+/// How leaves are placed, turned and shaped.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Leaves {
+    /// Largest radius of a cluster, shares of the foliage's diagonal, 0.001 to 1.
+    pub cluster_radius: f32,
+    /// Of the spheres that would do, a leaf joins the oldest instead of the one that ends smallest.
+    pub first_fit: bool,
+    /// From their own place (0) to their cluster's sphere (1).
+    pub displacement: f32,
+    /// From their own normal (0) to their cluster's (1).
+    pub orientation: f32,
+    /// From that normal (0) to facing the viewer (1).
+    pub facing: f32,
+    /// Factor on their size, 0 to 20.
+    pub size: f32,
+    /// From the leaf's outline (1) to the disc around it (0).
+    pub shape: f32,
+    /// Share of the leaves that is drawn; the rest is dropped in a fixed random order.
+    pub kept: f32,
+    /// Enlarges the leaves that are left, so that their area stays (1), or not (0).
+    pub enlarge: f32,
+}
+
+impl Default for Leaves {
+    fn default() -> Self {
+        Self {
+            cluster_radius: 0.06,
+            first_fit: false,
+            displacement: 0.0,
+            orientation: 0.0,
+            facing: 0.0,
+            size: 1.0,
+            shape: 1.0,
+            kept: 1.0,
+            enlarge: 1.0,
+        }
+    }
+}
+
+/// Outlines where depth leaps.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Contour {
+    /// Strength, 0 (none) to 1.
+    pub strength: f32,
+    /// Least difference of depth, shares of the plants' range of depths, 0 to 1.
+    pub threshold: f32,
+    /// The same on wood.
+    pub threshold_wood: f32,
+    /// Width, pixels, 0.25 to 12.
+    pub width: f32,
+    /// Depths by equation 1 of Deussen and Strothotte 2000 with this z1 / z0 instead of linear
+    /// ones; 0: linear.
+    pub mapping: f32,
+    /// Contour pixels with fewer neighbours are removed, 0 to 8.
+    pub neighbours: u32,
+    /// Growth of the threshold where clusters face the viewer, 0 to 100.
+    pub detail: f32,
+    /// Power of the cosine in it, 0.1 to 16.
+    pub detail_power: f32,
+}
+
+impl Default for Contour {
+    fn default() -> Self {
+        Self {
+            strength: 0.0,
+            threshold: 0.02,
+            threshold_wood: 0.02,
+            width: 1.0,
+            mapping: 0.0,
+            neighbours: 2,
+            detail: 0.0,
+            detail_power: 1.0,
+        }
+    }
+}
+
+/// Strokes that follow outlines.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Silhouette {
+    /// Strength, 0 (none) to 1.
+    pub strength: f32,
+    /// Width of the band of strokes, pixels, 1 to 48.
+    pub width: f32,
+    /// Length of the strokes' image, pixels, 8 to 1024.
+    pub length: f32,
+    /// Aspect, 0.1 to 10.
+    pub aspect: f32,
+    /// Blends neighbouring channels of tone instead of choosing one.
+    pub blend: bool,
+}
+
+impl Default for Silhouette {
+    fn default() -> Self {
+        Self {
+            strength: 0.0,
+            width: 12.0,
+            length: 96.0,
+            aspect: 1.0,
+            blend: false,
+        }
+    }
+}
+
+/// Strokes that give tone.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Hatching {
+    /// Strength, 0 (none) to 1.
+    pub strength: f32,
+    /// Size of the strokes, pixels of the picture for one of the tile, 0.05 to 20.
+    pub scale: f32,
+    /// Packs strokes towards the limb (c of equation 8), -0.5 to 2; pi/2 - 1 is the sphere's own.
+    pub packing: f32,
+    /// Tone above which nothing is hatched, 0 to 1.
+    pub white: f32,
+    /// Exponent on the darkness, 0.1 to 10.
+    pub gamma: f32,
+    /// Starts every cluster's strokes elsewhere, against repetition.
+    pub scatter: bool,
+}
+
+impl Default for Hatching {
+    fn default() -> Self {
+        Self {
+            strength: 0.0,
+            scale: 0.5,
+            packing: std::f32::consts::FRAC_PI_2 - 1.0,
+            white: 0.75,
+            gamma: 1.0,
+            scatter: true,
+        }
+    }
+}
+
+/// Light on leaves and wood.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Shading {
+    /// Share of shading under the lines, 0 to 1.
+    pub strength: f32,
+    /// Share of the model's colours, 0 to 1.
+    pub colour: f32,
+    /// Steps of tone; 0: smooth.
+    pub steps: u32,
+    /// From the clusters' normals (0) to those of the crown (1).
+    pub crown: f32,
+    /// Light from all around, 0 to 1.
+    pub ambient: f32,
+    /// How far the crown darkens leaves within, 0 to 1.
+    pub depth: f32,
+}
+
+impl Default for Shading {
+    fn default() -> Self {
+        Self {
+            strength: 0.0,
+            colour: 0.0,
+            steps: 0,
+            crown: 0.5,
+            ambient: 0.25,
+            depth: 0.7,
+        }
+    }
+}
+
+/// Paper and ink.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Paper {
+    /// Colour of the paper, sRGB, 0 to 1.
+    pub colour: [f32; 3],
+    /// Colour of the ink, sRGB, 0 to 1.
+    pub ink: [f32; 3],
+}
+
+impl Default for Paper {
+    fn default() -> Self {
+        Self {
+            colour: [0.99, 0.985, 0.965],
+            ink: [0.07, 0.065, 0.06],
+        }
+    }
+}
+
+/// Built-in styles: name and file.
+pub const PRESETS: [(&str, &str); 4] = [
+    ("full", include_str!("presets/full.toml")),
+    ("minimal", include_str!("presets/minimal.toml")),
+    ("outline", include_str!("presets/outline.toml")),
+    (
+        "silhouette-hatching",
+        include_str!("presets/silhouette-hatching.toml"),
+    ),
+];
+
+impl Style {
+    /// A built-in style by its name, or a file (its name ends in `.toml`).
+    ///
+    /// # Errors
+    /// No such style; a file that cannot be read, has unknown keys or numbers out of range.
+    pub fn named(name: &str) -> Result<Self> {
+        let path = Path::new(name);
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+            let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
+            return Self::parse(&text).map_err(|e| Error::file(path, e));
+        }
+        let Some((_, text)) = PRESETS.iter().find(|p| p.0 == name) else {
+            let names: Vec<&str> = PRESETS.iter().map(|p| p.0).collect();
+            return Err(Error::usage(format!(
+                "style `{name}`: expected {} or a file (.toml)",
+                names.join(", ")
+            )));
+        };
+        Self::parse(text).map_err(|e| Error::usage(format!("style `{name}`: {e}")))
+    }
+
+    /// From the text of a file.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn parse(text: &str) -> std::result::Result<Self, String> {
+        let style: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+        if style.format_version != FORMAT_VERSION {
+            return Err(format!(
+                "format_version {}: this program reads {FORMAT_VERSION}",
+                style.format_version
+            ));
+        }
+        style.check()?;
+        Ok(style)
+    }
+
+    /// Whether every number lies in its range.
+    ///
+    /// # Errors
+    /// The first that does not, with its range.
+    pub fn check(&self) -> std::result::Result<(), String> {
+        let (l, c, s) = (&self.leaves, &self.contour, &self.silhouette);
+        let (h, g, p) = (&self.hatching, &self.shading, &self.paper);
+        let numbers = [
+            ("leaves.cluster_radius", l.cluster_radius, 0.001, 1.0),
+            ("leaves.displacement", l.displacement, 0.0, 1.0),
+            ("leaves.orientation", l.orientation, 0.0, 1.0),
+            ("leaves.facing", l.facing, 0.0, 1.0),
+            ("leaves.size", l.size, 0.0, 20.0),
+            ("leaves.shape", l.shape, 0.0, 1.0),
+            ("leaves.kept", l.kept, 0.0, 1.0),
+            ("leaves.enlarge", l.enlarge, 0.0, 1.0),
+            ("contour.strength", c.strength, 0.0, 1.0),
+            ("contour.threshold", c.threshold, 0.0, 1.0),
+            ("contour.threshold_wood", c.threshold_wood, 0.0, 1.0),
+            ("contour.width", c.width, 0.25, 12.0),
+            ("contour.mapping", c.mapping, 0.0, 1e6),
+            ("contour.neighbours", c.neighbours as f32, 0.0, 8.0),
+            ("contour.detail", c.detail, 0.0, 100.0),
+            ("contour.detail_power", c.detail_power, 0.1, 16.0),
+            ("silhouette.strength", s.strength, 0.0, 1.0),
+            ("silhouette.width", s.width, 1.0, 48.0),
+            ("silhouette.length", s.length, 8.0, 1024.0),
+            ("silhouette.aspect", s.aspect, 0.1, 10.0),
+            ("hatching.strength", h.strength, 0.0, 1.0),
+            ("hatching.scale", h.scale, 0.05, 20.0),
+            ("hatching.packing", h.packing, -0.5, 2.0),
+            ("hatching.white", h.white, 0.0, 1.0),
+            ("hatching.gamma", h.gamma, 0.1, 10.0),
+            ("shading.strength", g.strength, 0.0, 1.0),
+            ("shading.colour", g.colour, 0.0, 1.0),
+            ("shading.steps", g.steps as f32, 0.0, 64.0),
+            ("shading.crown", g.crown, 0.0, 1.0),
+            ("shading.ambient", g.ambient, 0.0, 1.0),
+            ("shading.depth", g.depth, 0.0, 1.0),
+        ];
+        let colours = p.colour.iter().map(|&v| ("paper.colour", v, 0.0, 1.0));
+        let inks = p.ink.iter().map(|&v| ("paper.ink", v, 0.0, 1.0));
+        for (name, value, low, high) in numbers.into_iter().chain(colours).chain(inks) {
+            // Also false for NaN.
+            if !(value >= low && value <= high) {
+                return Err(format!("{name} = {value}: expected {low} to {high}"));
+            }
+        }
+        if c.mapping > 0.0 && c.mapping <= 1.0 {
+            return Err(format!(
+                "contour.mapping = {}: expected 0 (linear depths) or more than 1",
+                c.mapping
+            ));
+        }
+        Ok(())
+    }
+
+    /// Factor on the size of the leaves that are left, so that their area stays (Deussen's "drop
+    /// and resize": `w sqrt(n / k) + 1 - w`).
+    #[must_use]
+    pub fn enlargement(&self) -> f32 {
+        let w = self.leaves.enlarge;
+        w / self.leaves.kept.max(1e-6).sqrt() + 1.0 - w
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_is_a_style_and_comes_back_from_its_own_text() {
+        for (name, _) in PRESETS {
+            let style = Style::named(name).unwrap();
+            let text = toml::to_string(&style).unwrap();
+            assert_eq!(Style::parse(&text).unwrap(), style, "{name}");
+        }
+    }
+
+    #[test]
+    fn wrong_styles_are_refused_with_what_is_wrong() {
+        let base = "format_version = 1\ndescription = \"x\"\n";
+        for (text, said) in [
+            ("[leaves]\ncolour = 1", "colour"),
+            ("[contour]\nthreshold = 2.0", "contour.threshold = 2"),
+            ("[contour]\nthreshold = nan", "contour.threshold = NaN"),
+            ("[contour]\nmapping = 0.5", "contour.mapping"),
+            ("[paper]\nink = [0.0, 0.0, 1.5]", "paper.ink"),
+        ] {
+            let error = Style::parse(&format!("{base}{text}")).unwrap_err();
+            assert!(error.contains(said), "{text}: {error}");
+        }
+        let old = Style::parse("format_version = 9\ndescription = \"\"").unwrap_err();
+        assert!(old.contains("format_version 9"), "{old}");
+        assert!(Style::named("no-such-style").unwrap_err().to_string().contains("outline"));
+    }
+
+    #[test]
+    fn dropped_leaves_leave_their_area_to_the_others() {
+        let mut style = Style::named("outline").unwrap();
+        (style.leaves.kept, style.leaves.enlarge) = (0.25, 1.0);
+        assert!((style.enlargement() - 2.0).abs() < 1e-6);
+        style.leaves.enlarge = 0.0;
+        assert!((style.enlargement() - 1.0).abs() < 1e-6);
+    }
+}
