@@ -65,10 +65,10 @@ macro_rules! abi {
 mod foliage;
 #[path = "abi/gpu.rs"]
 mod gpu;
-#[path = "abi/lamps.rs"]
-mod lamps;
 #[path = "abi/ink.rs"]
 mod ink;
+#[path = "abi/lamps.rs"]
+mod lamps;
 #[path = "abi/leaf.rs"]
 mod leaf;
 #[path = "abi/light.rs"]
@@ -78,8 +78,8 @@ mod render;
 
 pub use foliage::*;
 pub use gpu::*;
-pub use lamps::*;
 pub use ink::*;
+pub use lamps::*;
 pub use leaf::*;
 pub use light::*;
 pub use render::*;

@@ -336,16 +336,13 @@ impl Draws<'_> {
     pub fn draw(&mut self, vertices: std::ops::Range<u32>, instances: u32) -> Result<()> {
         // SAFETY: a pipeline is bound.
         unsafe {
-            self.gpu
-                .inner
-                .device
-                .cmd_draw(
-                    self.work.cmd,
-                    vertices.end - vertices.start,
-                    instances,
-                    vertices.start,
-                    0,
-                );
+            self.gpu.inner.device.cmd_draw(
+                self.work.cmd,
+                vertices.end - vertices.start,
+                instances,
+                vertices.start,
+                0,
+            );
         };
         Ok(())
     }

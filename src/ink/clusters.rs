@@ -218,7 +218,12 @@ fn settled(points: &[Vec3], of_leaf: &[u32], balls: &[Ball]) -> Vec<Cluster> {
             leaves: b.2,
         }
     };
-    candidates.iter().zip(&reach).zip(&boxes).map(settle).collect()
+    candidates
+        .iter()
+        .zip(&reach)
+        .zip(&boxes)
+        .map(settle)
+        .collect()
 }
 
 #[cfg(test)]
@@ -240,7 +245,11 @@ mod tests {
     }
 
     fn check(points: &[Vec3], largest: f32, found: &Clusters) {
-        assert_eq!(found.of_leaf.len(), points.len(), "each leaf in one cluster");
+        assert_eq!(
+            found.of_leaf.len(),
+            points.len(),
+            "each leaf in one cluster"
+        );
         let mut members = vec![0; found.len()];
         for (&p, &c) in points.iter().zip(&found.of_leaf) {
             let cluster = found.clusters[c as usize];
@@ -274,9 +283,15 @@ mod tests {
     #[test]
     fn all_leaves_of_a_small_plant_are_one_cluster_and_far_ones_their_own() {
         let points = cloud(100, 7);
-        assert_eq!(Clusters::new(&points, 2.0, Choice::Smallest).unwrap().len(), 1);
+        assert_eq!(
+            Clusters::new(&points, 2.0, Choice::Smallest).unwrap().len(),
+            1
+        );
         let apart: Vec<_> = (0..50).map(|i| Vec3::X * i as f32).collect();
-        assert_eq!(Clusters::new(&apart, 0.4, Choice::Smallest).unwrap().len(), 50);
+        assert_eq!(
+            Clusters::new(&apart, 0.4, Choice::Smallest).unwrap().len(),
+            50
+        );
     }
 
     #[test]

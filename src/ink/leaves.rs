@@ -124,12 +124,19 @@ fn flat(
         area += 0.5 * twice.length();
     }
     let normal = normal.try_normalize().or_else(|| {
-        let first = corners.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)));
-        first.max_by(|a, b| a.length().total_cmp(&b.length()))?.try_normalize()
+        let first = corners
+            .iter()
+            .map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)));
+        first
+            .max_by(|a, b| a.length().total_cmp(&b.length()))?
+            .try_normalize()
     })?;
     let vertices: Vec<u32> = corners.iter().flatten().copied().collect();
     let mapping = TextureMap::new(g, corners, normal);
-    let along_v = mapping.as_ref().filter(|_| textured).and_then(|m| m.against_v());
+    let along_v = mapping
+        .as_ref()
+        .filter(|_| textured)
+        .and_then(|m| m.against_v());
     let axis = along_v.or_else(|| longest(g, &vertices, normal))?;
     let side = axis.cross(normal);
     let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
@@ -181,7 +188,10 @@ fn longest(g: &Geometry, vertices: &[u32], normal: Vec3) -> Option<Vec3> {
     } else {
         let farthest = |from: u32| {
             let key = |v: &u32| at(*v).distance_squared(at(from));
-            vertices.iter().copied().max_by(|a, b| key(a).total_cmp(&key(b)))
+            vertices
+                .iter()
+                .copied()
+                .max_by(|a, b| key(a).total_cmp(&key(b)))
         };
         let end = farthest(vertices[0])?;
         (end, farthest(end)?)
@@ -317,7 +327,11 @@ mod tests {
         // The diagonal of the card.
         let diagonal = Vec3::new(1.0, 2.0, 0.0).normalize();
         let other = Vec3::new(-1.0, 2.0, 0.0).normalize();
-        let along = leaf.axis.dot(diagonal).abs().max(leaf.axis.dot(other).abs());
+        let along = leaf
+            .axis
+            .dot(diagonal)
+            .abs()
+            .max(leaf.axis.dot(other).abs());
         assert!(along > 0.999, "{}", leaf.axis);
     }
 

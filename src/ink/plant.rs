@@ -161,7 +161,11 @@ fn crown_light(
     kept: &[Option<u32>],
     light: Option<CrownLight<'_>>,
 ) -> Vec<(Vec3, f32)> {
-    let ranges = triangles.first.windows(2).zip(kept).filter(|(_, k)| k.is_some());
+    let ranges = triangles
+        .first
+        .windows(2)
+        .zip(kept)
+        .filter(|(_, k)| k.is_some());
     let mean = |range: &[u32]| {
         let list = &triangles.triangles[range[0] as usize..range[1] as usize];
         let corners = list
@@ -295,7 +299,10 @@ fn cut<'a>(
     };
     let texture = &model.textures[reference.texture];
     if !images.contains_key(&texture.image) {
-        images.insert(texture.image, textures::decode(&model.images[texture.image])?);
+        images.insert(
+            texture.image,
+            textures::decode(&model.images[texture.image])?,
+        );
     }
     Ok(images.get(&texture.image).map(|image| Cut {
         image,

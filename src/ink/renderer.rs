@@ -63,6 +63,11 @@ pub struct Drawing {
     pub pixels: Vec<u8>,
     /// Device times.
     pub passes: Vec<PassTime>,
+    /// Attributes of stage 1 that were asked for, with the bytes of their images.
+    pub attributes: Vec<(Attribute, Vec<u8>)>,
+    /// Contour, cleaned contour and silhouette, as far as the style has them and attributes were
+    /// asked for: 32-bit floats.
+    pub lines: Vec<Vec<u8>>,
 }
 
 /// Pipelines of stage 1 and 2.
@@ -162,7 +167,10 @@ impl InkRenderer {
             size,
             factor,
             reference: view.middle_distance(),
-            frame: gpu.buffer(BufferInfo::device("ink frame", size_of::<InkFrame>() as u64))?,
+            frame: gpu.buffer(BufferInfo::device(
+                "ink frame",
+                size_of::<InkFrame>() as u64,
+            ))?,
             leaves: gpu.upload("ink leaves", &scene.plant.records(style.seed))?,
             clusters: gpu.buffer(BufferInfo::device(
                 "ink clusters",
@@ -175,10 +183,21 @@ impl InkRenderer {
             indices: gpu.upload("indices", &g.indices)?,
             shapes: shapes_image(gpu, scene.plant)?,
             textures: material_textures(gpu, scene.model)?,
-            depth: gpu.image(ImageInfo::target("ink depth test", Format::Depth32, size, 1))?,
+            depth: gpu.image(ImageInfo::target(
+                "ink depth test",
+                Format::Depth32,
+                size,
+                1,
+            ))?,
             lines,
-            strokes: plan.silhouette.then(|| band_image(gpu, style.seed)).transpose()?,
-            tiles: plan.hatching.then(|| tile_image(gpu, style.seed)).transpose()?,
+            strokes: plan
+                .silhouette
+                .then(|| band_image(gpu, style.seed))
+                .transpose()?,
+            tiles: plan
+                .hatching
+                .then(|| tile_image(gpu, style.seed))
+                .transpose()?,
             nothing: filled_image(gpu, "nothing", Format::Rgba8Unorm, [1, 1], &[&[0; 4]])?,
             picture: gpu.image(ImageInfo::storage("ink picture", Format::Rgba16Float, size))?,
             plain: sampler(false, [AddressMode::Clamp; 2])?,
@@ -194,20 +213,51 @@ impl InkRenderer {
     /// # Errors
     /// Memory runs out or the device is lost.
     pub fn draw(&self, scene: &InkScene<'_>, view: &View) -> Result<Drawing> {
+        self.draw_with(scene, view, &[])
+    }
+
+    /// As [`InkRenderer::draw`], with attributes of stage 1 read back; those that the style does
+    /// not need do not exist.
+    ///
+    /// # Errors
+    /// Memory runs out or the device is lost.
+    pub fn draw_with(
+        &self,
+        scene: &InkScene<'_>,
+        view: &View,
+        wanted: &[Attribute],
+    ) -> Result<Drawing> {
         let shading = &self.style.shading;
         let frame = view.frame(shading.ambient, shading.depth);
         let mut work = self.gpu.work(QueueKind::Graphics, "ink")?;
         work.upload("ink frame", &self.frame, &[frame])?;
-        work.upload("ink clusters", &self.clusters, &self.cluster_records(scene, view))?;
+        work.upload(
+            "ink clusters",
+            &self.clusters,
+            &self.cluster_records(scene, view),
+        )?;
         self.stage1(&mut work, scene, view)?;
         self.stage2(&mut work, view)?;
         let picture = work.read_image("ink picture", &self.picture)?;
+        let mut attributes = Vec::new();
+        let mut lines = Vec::new();
+        for (attribute, image) in self.targets.iter().filter(|t| wanted.contains(&t.0)) {
+            attributes.push((*attribute, work.read_image(attribute.label(), image)?));
+        }
+        for image in self.lines.iter().filter(|_| !wanted.is_empty()) {
+            lines.push(work.read_image("ink lines", image)?);
+        }
         let mut done = work.submit()?.wait()?;
         let passes = done.passes().to_vec();
         Ok(Drawing {
             size: self.size,
             pixels: done.take(picture),
             passes,
+            attributes: attributes
+                .into_iter()
+                .map(|(a, r)| (a, done.take(r)))
+                .collect(),
+            lines: lines.into_iter().map(|r| done.take(r)).collect(),
         })
     }
 
@@ -308,7 +358,13 @@ impl InkRenderer {
         }
     }
 
-    fn wood_draw(&self, model: &Model, view: &View, material: usize, instance: usize) -> InkWoodDraw {
+    fn wood_draw(
+        &self,
+        model: &Model,
+        view: &View,
+        material: usize,
+        instance: usize,
+    ) -> InkWoodDraw {
         let m = &model.materials[material];
         let [u, v] = m
             .base_color_texture
@@ -393,7 +449,13 @@ impl InkRenderer {
             Binding::Sampled(tiles, &self.repeating),
             Binding::StorageWrite(&self.picture),
         ];
-        work.compute("ink compose", &p.compose, &bindings, &self.compose_push(), invocations)
+        work.compute(
+            "ink compose",
+            &p.compose,
+            &bindings,
+            &self.compose_push(),
+            invocations,
+        )
     }
 
     fn contour_push(&self, view: &View) -> InkContour {
@@ -504,7 +566,12 @@ fn filled_image(
 
 /// Shapes below each other.
 fn shapes_image(gpu: &Gpu, plant: &Plant) -> Result<Image> {
-    let texels: Vec<u8> = plant.shapes.iter().flat_map(|s| &s.texels).copied().collect();
+    let texels: Vec<u8> = plant
+        .shapes
+        .iter()
+        .flat_map(|s| &s.texels)
+        .copied()
+        .collect();
     let extent = [SHAPE_SIZE as u32, (SHAPE_SIZE * plant.shapes.len()) as u32];
     filled_image(gpu, "leaf shapes", Format::R8Unorm, extent, &[&texels])
 }
@@ -512,7 +579,13 @@ fn shapes_image(gpu: &Gpu, plant: &Plant) -> Result<Image> {
 fn band_image(gpu: &Gpu, seed: u32) -> Result<Image> {
     let extent = [INK_BAND_LENGTH, INK_BAND_WIDTH];
     let texels = strokes::band(seed);
-    filled_image(gpu, "silhouette strokes", Format::Rgba8Unorm, extent, &[&texels])
+    filled_image(
+        gpu,
+        "silhouette strokes",
+        Format::Rgba8Unorm,
+        extent,
+        &[&texels],
+    )
 }
 
 fn tile_image(gpu: &Gpu, seed: u32) -> Result<Image> {
@@ -521,7 +594,11 @@ fn tile_image(gpu: &Gpu, seed: u32) -> Result<Image> {
         ..TileSettings::default()
     });
     let levels: Vec<&[u8]> = tile.levels.iter().map(Vec::as_slice).collect();
-    debug_assert_eq!(levels.len(), INK_LEVELS as usize, "a texture of as many levels");
+    debug_assert_eq!(
+        levels.len(),
+        INK_LEVELS as usize,
+        "a texture of as many levels"
+    );
     filled_image(gpu, "hatching", Format::R8Unorm, [INK_TILE; 2], &levels)
 }
 

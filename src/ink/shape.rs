@@ -64,8 +64,9 @@ impl Shape {
     /// Alpha at a place in radii, bilinear; beyond 1 inside the leaf.
     #[must_use]
     pub fn alpha(&self, at: Vec2) -> f32 {
-        let coordinate = |v: f32| ((v + 1.0) * 0.5 * SHAPE_SIZE as f32 - 0.5)
-            .clamp(0.0, SHAPE_SIZE as f32 - 1.0);
+        let coordinate = |v: f32| {
+            ((v + 1.0) * 0.5 * SHAPE_SIZE as f32 - 0.5).clamp(0.0, SHAPE_SIZE as f32 - 1.0)
+        };
         let (x, y) = (coordinate(at.x), coordinate(-at.y));
         let (x0, y0) = (x as usize, y as usize);
         let (x1, y1) = ((x0 + 1).min(SHAPE_SIZE - 1), (y0 + 1).min(SHAPE_SIZE - 1));

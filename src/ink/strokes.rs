@@ -128,7 +128,11 @@ impl Level {
                 self.inked += 1;
             }
             // Ink counts where it was found once: kept below the darkest tone.
-            let value = if coverage >= INKED { stroke.tone } else { value.max(DARKEST + 0.01) };
+            let value = if coverage >= INKED {
+                stroke.tone
+            } else {
+                value.max(DARKEST + 0.01)
+            };
             self.thresholds[i] = self.thresholds[i].min(value);
         }
     }
@@ -219,7 +223,12 @@ fn best(numbers: &mut Numbers, strokes: &[Stroke], settings: &TileSettings, tone
         let stroke = Stroke {
             at: Vec2::new(numbers.next(), numbers.next()),
             length: numbers.between(settings.lengths),
-            angle: turn + if second { std::f32::consts::FRAC_PI_2 } else { 0.0 },
+            angle: turn
+                + if second {
+                    std::f32::consts::FRAC_PI_2
+                } else {
+                    0.0
+                },
             bend: 0.04 * (2.0 * numbers.next() - 1.0),
             tone,
             level: 0,
@@ -267,7 +276,8 @@ pub fn band(seed: u32) -> Vec<u8> {
             for step in 0..=4 * width {
                 let t = step as f32 / (4 * width) as f32;
                 let v = t * depth * width as f32;
-                let x = u * length as f32 + (lean * t + bend * t * (1.0 - t)) * depth * width as f32;
+                let x =
+                    u * length as f32 + (lean * t + bend * t * (1.0 - t)) * depth * width as f32;
                 let half = 0.95 * (1.0 - 0.75 * t);
                 dab(&mut texels, channel, [x, v], half);
             }
@@ -331,7 +341,10 @@ mod tests {
                 .iter()
                 .map(|t| (t * 255.0).round() as u8)
                 .collect();
-            assert_eq!(bytes, tile.levels[level as usize], "level {level} from the list");
+            assert_eq!(
+                bytes, tile.levels[level as usize],
+                "level {level} from the list"
+            );
         }
     }
 

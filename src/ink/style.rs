@@ -245,7 +245,10 @@ impl Style {
     /// No such style; a file that cannot be read, has unknown keys or numbers out of range.
     pub fn named(name: &str) -> Result<Self> {
         let path = Path::new(name);
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        if path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+        {
             let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
             return Self::parse(&text).map_err(|e| Error::file(path, e));
         }
@@ -369,7 +372,12 @@ mod tests {
         }
         let old = Style::parse("format_version = 9\ndescription = \"\"").unwrap_err();
         assert!(old.contains("format_version 9"), "{old}");
-        assert!(Style::named("no-such-style").unwrap_err().to_string().contains("outline"));
+        assert!(
+            Style::named("no-such-style")
+                .unwrap_err()
+                .to_string()
+                .contains("outline")
+        );
     }
 
     #[test]

@@ -76,10 +76,7 @@ impl View {
     pub fn frame(&self, ambient: f32, depth_of_crown: f32) -> InkFrame {
         let [right, up, _] = self.camera.basis();
         InkFrame {
-            relative_to_clip: self
-                .camera
-                .relative_to_clip(self.origin)
-                .to_cols_array_2d(),
+            relative_to_clip: self.camera.relative_to_clip(self.origin).to_cols_array_2d(),
             eye: self.eye().as_vec3().to_array(),
             focal: self.focal() as f32,
             forward: self.camera.forward.as_vec3().to_array(),

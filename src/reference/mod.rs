@@ -6,6 +6,7 @@ pub mod bins;
 pub mod density;
 pub mod encode;
 pub mod generators;
+pub mod ink;
 pub mod lamps;
 pub mod leaf_albedo;
 pub mod leaf_glossy;

@@ -9,6 +9,7 @@ mod foliage_ends;
 mod foliage_subset;
 mod foliage_surface;
 mod gpu;
+mod ink;
 mod lamps;
 mod leaf;
 mod light;
@@ -101,5 +102,6 @@ pub fn cases() -> Vec<Case> {
     cases.extend(lit_shadow::cases());
     cases.extend(lamps::cases());
     cases.extend(matrix::cases());
+    cases.extend(ink::cases());
     cases
 }
