@@ -19,8 +19,8 @@ abi! {
         INK_DIRECTION: u32 = 4;
         /// Hatch coordinates within their tile, texels of the finest level a pixel spans (log2).
         INK_HATCH: u32 = 5;
-        /// Texels along an edge of a leaf's shape.
-        INK_SHAPE_SIZE: u32 = 96;
+        /// Texels along an edge of the shape of a leaf.
+        INK_SHAPE_SIZE: u32 = 160;
         /// Steps of the silhouette search at most.
         INK_WALK: u32 = 96;
         /// Half width at most to which lines are widened, pixels.
