@@ -17,12 +17,12 @@ vec3 displaced(InkLeaf leaf, InkCluster cluster, vec3 outward, float beta) {
 
 // Own normal, cluster's normal, viewer's direction, blended one after the other. Two-sided: what
 // points away turns round first.
-vec3 turned_normal(InkLeaf leaf, vec3 outward, vec3 to_eye, float orientation, float facing) {
+vec3 turned_normal(InkLeaf leaf, vec3 outward, vec3 to_viewer, float orientation, float facing) {
     vec3 own = dot(leaf.normal, outward) < 0.0 ? -leaf.normal : leaf.normal;
     vec3 n = mix(own, outward, orientation);
     n = dot(n, n) > 1e-12 ? normalize(n) : outward;
-    vec3 seen = dot(n, to_eye) < 0.0 ? -n : n;
-    vec3 t = mix(seen, normalize(to_eye), facing);
+    vec3 seen = dot(n, to_viewer) < 0.0 ? -n : n;
+    vec3 t = mix(seen, to_viewer, facing);
     return facing > 0.0 && dot(t, t) > 1e-12 ? normalize(t) : n;
 }
 

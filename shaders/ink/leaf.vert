@@ -29,7 +29,9 @@ void main() {
     InkCluster cluster = clusters[leaf.cluster];
     vec3 outward = cluster_normal(leaf, cluster);
     vec3 place = displaced(leaf, cluster, outward, push.displacement);
-    vec3 normal = turned_normal(leaf, outward, frame.eye - place, push.orientation, push.facing);
+    // Facing means parallel to the picture: depth is constant over the leaf, so that no threshold of
+    // contours depends on the place in the picture.
+    vec3 normal = turned_normal(leaf, outward, -frame.forward, push.orientation, push.facing);
     vec3 axis = turned_axis(leaf.axis, leaf.normal, normal);
     float radius = leaf.rank < push.kept ? leaf.radius * push.size : 0.0;
     vec3 position = place + radius * (local.x * cross(axis, normal) + local.y * axis);

@@ -21,7 +21,9 @@ impl Axes {
         let z = z.unwrap_or(-view.camera.forward);
         let across = right - right.dot(z) * z;
         // A cluster straight to the side of the eye: the picture's up serves.
-        let x = across.try_normalize().unwrap_or_else(|| up.cross(z).normalize_or(DVec3::X));
+        let x = across
+            .try_normalize()
+            .unwrap_or_else(|| up.cross(z).normalize_or(DVec3::X));
         Self {
             x,
             y: z.cross(x),
@@ -128,7 +130,10 @@ mod tests {
             let t = f64::from(i) / f64::from(frames);
             let (a, b) = (eye(t), eye(t + 1.0 / f64::from(frames)));
             // Looks past the cluster, so that it is not in the picture's middle.
-            let (before, after) = (view(a, DVec3::new(0.3, 0.1, 0.0)), view(b, DVec3::new(0.3, 0.1, 0.0)));
+            let (before, after) = (
+                view(a, DVec3::new(0.3, 0.1, 0.0)),
+                view(b, DVec3::new(0.3, 0.1, 0.0)),
+            );
             let next = hatch.moved(&before, &after, DVec3::ZERO);
             let front = a.normalize();
             let slip = coordinates(&after, &next, front) - coordinates(&before, &hatch, front);
@@ -139,7 +144,10 @@ mod tests {
         // Tiles per radian of the camera's turn; the texture itself goes 3 / pi of them.
         assert!(worst < 0.02, "{worst}");
         // Without the turning of V_O and of increments the slip is as large as the turn.
-        assert!(hatch.up.distance(DVec2::NEG_X) > 0.05, "the picture did turn");
+        assert!(
+            hatch.up.distance(DVec2::NEG_X) > 0.05,
+            "the picture did turn"
+        );
     }
 
     #[test]
@@ -149,7 +157,11 @@ mod tests {
         let mut hatch = Hatch::stateless(&view(at(0.0), DVec3::ZERO), DVec3::ZERO, tiles);
         for i in 0..50 {
             let (a, b) = (f64::from(i) * 0.02, f64::from(i + 1) * 0.02);
-            hatch = hatch.moved(&view(at(a), DVec3::ZERO), &view(at(b), DVec3::ZERO), DVec3::ZERO);
+            hatch = hatch.moved(
+                &view(at(a), DVec3::ZERO),
+                &view(at(b), DVec3::ZERO),
+                DVec3::ZERO,
+            );
         }
         let alone = Hatch::stateless(&view(at(1.0), DVec3::ZERO), DVec3::ZERO, tiles);
         assert!(hatch.reference.distance(alone.reference) < 1e-9);

@@ -23,6 +23,7 @@ mod foliage_traced;
 mod golden;
 mod gpu;
 mod grow;
+mod ink;
 mod leaf_cli;
 mod leaf_files;
 mod leaf_fit;

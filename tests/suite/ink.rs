@@ -1,0 +1,342 @@
+//! Drawings: contours against analytic outlines, styles as a user draws them, what bad input gets.
+
+use std::f32::consts::TAU;
+
+use glam::{DVec3, Vec2, Vec3};
+use umbrage::ink::leaves::LeafTriangles;
+use umbrage::ink::plan::Attribute;
+use umbrage::ink::plant::Plant;
+use umbrage::ink::renderer::{Drawing, InkRenderer, InkScene};
+use umbrage::ink::style::Style;
+use umbrage::ink::view::View;
+use umbrage::scene::{Camera, Geometry, Instance, Material, Mesh, Model, Primitive};
+
+use crate::fixture;
+use crate::model_fixture::shared;
+use crate::place::Place;
+use crate::small_model::small_tree;
+
+/// A leaf of the test: a square card around a disc, at a depth below 0.
+#[derive(Debug, Clone, Copy)]
+struct Disc {
+    at: Vec3,
+    radius: f32,
+}
+
+/// Cards that face +z; each becomes the disc around it.
+fn cards(discs: &[Disc]) -> Model {
+    let mut card = Primitive::default();
+    for disc in discs {
+        let first = card.positions.len() as u32;
+        // The disc of a square passes through its corners.
+        let half = disc.radius / 2.0_f32.sqrt();
+        for (x, y) in [(-half, -half), (half, -half), (half, half), (-half, half)] {
+            card.positions
+                .push((disc.at + Vec3::new(x, y, 0.0)).to_array());
+        }
+        card.indices
+            .extend([0, 1, 2, 0, 2, 3].map(|i: u32| first + i));
+    }
+    Model {
+        name: "discs".into(),
+        meshes: vec![Mesh {
+            name: "discs".into(),
+            primitives: vec![card],
+        }],
+        instances: vec![Instance {
+            name: "discs".into(),
+            mesh: 0,
+            local_to_world: glam::DAffine3::IDENTITY,
+            source: None,
+        }],
+        materials: vec![Material::default()],
+        ..Model::default()
+    }
+}
+
+/// The drawing of the cards from the origin towards -z, with depth and ids.
+fn draw(discs: &[Disc], style: &Style, size: [u32; 2]) -> (Drawing, View) {
+    let gpu = fixture::gpu();
+    let model = cards(discs);
+    let geometry = Geometry::flatten(&model);
+    let count = discs.len() as u32;
+    let first: Vec<u32> = (0..=count).map(|i| 2 * i).collect();
+    let triangles: Vec<u32> = (0..2 * count).collect();
+    let list = LeafTriangles {
+        indices: &geometry.indices,
+        first: &first,
+        triangles: &triangles,
+    };
+    let plant = Plant::new(&model, &geometry, list, &[true], None, style).unwrap();
+    let camera = Camera {
+        eye: DVec3::ZERO,
+        forward: DVec3::NEG_Z,
+        fov: 60.0,
+        aspect: f64::from(size[0]) / f64::from(size[1]),
+        near: 0.01,
+    };
+    let view = View::new(camera, geometry.origin, size, Vec3::Y, &geometry.positions);
+    let scene = InkScene {
+        model: &model,
+        geometry: &geometry,
+        plant: &plant,
+    };
+    let renderer = InkRenderer::new(&gpu, &scene, style, &view, 1).unwrap();
+    let wanted = [Attribute::Depth, Attribute::Ids];
+    (renderer.draw_with(&scene, &view, &wanted).unwrap(), view)
+}
+
+fn lines_of_discs(threshold: f32) -> Style {
+    let text = format!(
+        "format_version = 1\ndescription = \"discs\"\n\
+         [leaves]\nfacing = 1.0\nshape = 0.0\ncluster_radius = 0.01\n\
+         [contour]\nstrength = 1.0\nthreshold = {threshold}\n"
+    );
+    Style::parse(&text).unwrap()
+}
+
+fn random_discs(count: u32) -> Vec<Disc> {
+    let mut state = 12_345_u32;
+    let mut next = || {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (state >> 8) as f32 / 16_777_216.0
+    };
+    (0..count)
+        .map(|i| {
+            // Depths apart by a step, in random order of place.
+            let depth = 4.0 + 4.0 * ((i * 389) % count) as f32 / count as f32;
+            let across = 0.5 * depth;
+            Disc {
+                at: Vec3::new(
+                    (next() - 0.5) * across * 2.0,
+                    (next() - 0.5) * across,
+                    -depth,
+                ),
+                radius: depth * (0.02 + 0.04 * next()),
+            }
+        })
+        .collect()
+}
+
+/// Share of `from` that has one of `to` within 1.5 pixels.
+fn near(from: &[Vec2], to: &[Vec2]) -> f64 {
+    let hit = |p: &&Vec2| to.iter().any(|q| p.distance_squared(*q) <= 1.5 * 1.5);
+    from.iter().filter(hit).count() as f64 / from.len() as f64
+}
+
+/// Points of the discs' outlines that are seen, with something farther by `gap` behind them.
+fn outlines(discs: &[Disc], view: &View, gap: f32) -> Vec<Vec2> {
+    let focal = view.focal() as f32;
+    let [w, h] = view.size.map(|s| s as f32);
+    let project = |d: &Disc| {
+        let depth = -d.at.z;
+        let at = Vec2::new(
+            0.5 * w + d.at.x * focal / depth,
+            0.5 * h - d.at.y * focal / depth,
+        );
+        (at, d.radius * focal / depth, depth)
+    };
+    let seen: Vec<_> = discs.iter().map(project).collect();
+    let mut out = Vec::new();
+    for &(at, radius, depth) in &seen {
+        let steps = (4.0 * TAU * radius) as u32;
+        for k in 0..steps {
+            let direction = Vec2::from_angle(TAU * k as f32 / steps as f32);
+            let p = at + radius * direction;
+            // Outside by a pixel: what the outline is seen against.
+            let outside = p + direction;
+            let inside = (1.0..w - 1.0).contains(&p.x) && (1.0..h - 1.0).contains(&p.y);
+            let covers = |o: &&(Vec2, f32, f32), q: Vec2| q.distance(o.0) <= o.1;
+            let hidden = seen
+                .iter()
+                .any(|o| o.2 < depth && covers(&o, p - direction));
+            let behind = seen
+                .iter()
+                .filter(|o| covers(o, outside))
+                .map(|o| o.2)
+                .fold(f32::INFINITY, f32::min);
+            if inside && !hidden && behind - depth > gap {
+                out.push(p);
+            }
+        }
+    }
+    out
+}
+
+fn floats(bytes: &[u8]) -> Vec<f32> {
+    bytemuck::pod_collect_to_vec(bytes)
+}
+
+fn places(line: &[f32], width: u32) -> Vec<Vec2> {
+    let at = |i: usize| {
+        Vec2::new(
+            (i as u32 % width) as f32 + 0.5,
+            (i as u32 / width) as f32 + 0.5,
+        )
+    };
+    (0..line.len())
+        .filter(|&i| line[i] == 1.0)
+        .map(at)
+        .collect()
+}
+
+#[test]
+fn contours_are_the_analytic_outlines_of_random_discs_on_the_nearer_side() {
+    let size = [400, 300];
+    let discs = random_discs(300);
+    let (drawing, view) = draw(&discs, &lines_of_discs(0.001), size);
+    let line = floats(&drawing.lines[0]);
+    let found = places(&line, size[0]);
+    let truth = outlines(&discs, &view, 0.001 * (view.depths[1] - view.depths[0]));
+    let (precision, recall) = (near(&found, &truth), near(&truth, &found));
+    let f = 2.0 * precision * recall / (precision + recall);
+    assert!(
+        f >= 0.97,
+        "F {f}: precision {precision}, recall {recall}, {} pixels",
+        found.len()
+    );
+    // Every contour pixel lies on a disc that has a farther neighbour, not on the farther one.
+    let depth = floats(&drawing.attributes[0].1);
+    for p in &found {
+        let (x, y) = (p.x as i64, p.y as i64);
+        let own = depth[(y * 400 + x) as usize];
+        let farther = (-1..=1)
+            .flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)))
+            .any(|(dx, dy)| {
+                let (qx, qy) = ((x + dx).clamp(0, 399), (y + dy).clamp(0, 299));
+                let d = depth[(qy * 400 + qx) as usize];
+                d == 0.0 || d > own
+            });
+        assert!(own > 0.0 && farther, "{p}");
+    }
+}
+
+#[test]
+fn a_higher_threshold_never_has_more_contours() {
+    let size = [200, 150];
+    let discs = random_discs(120);
+    let count = |threshold: f32| {
+        let (drawing, _) = draw(&discs, &lines_of_discs(threshold), size);
+        floats(&drawing.lines[0])
+            .iter()
+            .filter(|v| **v > 0.0)
+            .count()
+    };
+    let counts: Vec<usize> = [0.0, 0.05, 0.2, 0.5, 1.0].map(count).to_vec();
+    assert!(counts.windows(2).all(|w| w[1] <= w[0]), "{counts:?}");
+    assert!(counts[4] > 0 && counts[0] > 2 * counts[4], "{counts:?}");
+}
+
+#[test]
+fn clusters_around_and_behind_the_camera_are_drawn_finitely() {
+    let mut style = Style::named("silhouette-hatching").unwrap();
+    style.leaves.cluster_radius = 1.0;
+    let at = |x: f32, y: f32, z: f32| Disc {
+        at: Vec3::new(x, y, z),
+        radius: 0.3,
+    };
+    // One before, one behind, one across the near plane, two in one place.
+    let discs = [
+        at(0.0, 0.0, -2.0),
+        at(0.2, 0.0, 2.0),
+        at(0.05, 0.05, -0.01),
+        at(0.5, 0.3, -3.0),
+        at(0.5, 0.3, -3.0),
+    ];
+    for size in [[64, 48], [1, 1], [1, 40], [40, 1]] {
+        let (drawing, _) = draw(&discs, &style, size);
+        for bytes in drawing.pixels.chunks_exact(2) {
+            let bits = u16::from_le_bytes([bytes[0], bytes[1]]);
+            assert!(bits & 0x7c00 != 0x7c00, "{size:?}: a pixel is no number");
+        }
+    }
+}
+
+/// Share of the picture's pixels that are darker than half.
+fn ink(path: &std::path::Path) -> f64 {
+    let image = image::open(path).unwrap().to_luma8();
+    let dark = image.pixels().filter(|p| p[0] < 128).count();
+    dark as f64 / f64::from(image.width() * image.height())
+}
+
+#[test]
+fn every_style_draws_a_tree_twice_alike() {
+    let place = Place::new();
+    let tree = "grow:broadleaf:1:800";
+    for (name, _) in umbrage::ink::style::PRESETS {
+        let draw = |out: &str| {
+            let what = [
+                "render", tree, "-o", out, "--style", name, "--size", "160x160",
+            ];
+            place.json(&[&what[..], &["--cells", "24", "--validate"]].concat())
+        };
+        let report = draw("a.png");
+        assert_eq!(report["leaves"], 800, "{name}");
+        assert!(report["clusters"].as_u64().unwrap() > 5, "{name}: {report}");
+        draw("b.png");
+        let bytes = |f: &str| std::fs::read(place.path(f)).unwrap();
+        assert_eq!(bytes("a.png"), bytes("b.png"), "{name}");
+        let dark = ink(&place.path("a.png"));
+        assert!(dark > 0.002 && dark < 0.6, "{name}: ink {dark}");
+    }
+}
+
+#[test]
+fn lines_alone_take_no_bake() {
+    let place = Place::new();
+    let what = [
+        "render",
+        "grow:shrub:1:300",
+        "-o",
+        "a.png",
+        "--style",
+        "outline",
+    ];
+    let report = place.json(&[&what[..], &["--size", "80x80", "--validate"]].concat());
+    let passes: Vec<_> = report["passes"].as_array().unwrap().iter().collect();
+    assert_eq!(
+        passes,
+        ["ink stage 1", "ink contour", "ink clean", "ink compose"]
+    );
+    let stages = report["times"].as_array().unwrap();
+    assert!(stages.iter().all(|s| s["stage"] != "bake"), "{stages:?}");
+}
+
+#[test]
+fn wrong_styles_and_plants_without_leaves_are_refused() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    let style = |name: &str, text: &str| {
+        let head = "format_version = 1\ndescription = \"x\"\n";
+        place.write(name, format!("{head}{text}"))
+    };
+    let unknown = style("unknown.toml", "[contour]\nstrenght = 1.0\n");
+    let outside = style("outside.toml", "[leaves]\nshape = 1.5\n");
+    let refused = |style: &str, words: &[&str]| {
+        let arguments = ["render", &tree, "-o", "out.png", "--style", style];
+        place.assert_refused(&arguments, words);
+    };
+    refused("no-such", &["no-such", "silhouette-hatching"]);
+    refused("missing.toml", &["missing.toml"]);
+    refused(&unknown, &["unknown.toml", "strenght"]);
+    refused(&outside, &["outside.toml", "leaves.shape", "1.5"]);
+    let bare = small_tree().with(|m| m.json["materials"][0]["name"] = "Stone".into());
+    let bare = place.write(
+        "bare.glb",
+        bare.with(|m| m.json["materials"][0]["doubleSided"] = false.into())
+            .glb(),
+    );
+    let arguments = ["render", &bare, "-o", "out.png", "--style", "outline"];
+    place.assert_refused(&arguments, &["bare.glb", "no foliage"]);
+    // The model of nobody here.
+    let oak = shared("eztree/oak_medium.glb");
+    let arguments = [
+        "render",
+        oak.to_str().unwrap(),
+        "-o",
+        "out.txt",
+        "--style",
+        "outline",
+    ];
+    place.assert_refused(&arguments, &["out.txt"]);
+}
