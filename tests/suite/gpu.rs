@@ -148,7 +148,7 @@ fn covered(samples: u32, cull: Cull) -> (usize, Vec<u8>) {
         draws.pipeline(&square);
         for p in [&push, &far] {
             draws.push(p)?;
-            draws.draw(6, 1)?;
+            draws.draw(0..6, 1)?;
         }
         Ok(())
     })
