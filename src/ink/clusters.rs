@@ -210,20 +210,16 @@ fn settled(points: &[Vec3], of_leaf: &[u32], balls: &[Ball]) -> Vec<Cluster> {
             *r = r.max(p.distance(centre));
         }
     }
-    let settle = |((candidates, reach), b): ((&[Vec3; 2], &[f32; 2]), &(Vec3, Vec3, u32))| {
+    let settle = |cluster: usize| {
+        let reach = reach[cluster];
         let which = usize::from(reach[1] < reach[0]);
         Cluster {
-            centre: candidates[which],
+            centre: candidates[cluster][which],
             radius: reach[which],
-            leaves: b.2,
+            leaves: boxes[cluster].2,
         }
     };
-    candidates
-        .iter()
-        .zip(&reach)
-        .zip(&boxes)
-        .map(settle)
-        .collect()
+    (0..balls.len()).map(settle).collect()
 }
 
 #[cfg(test)]

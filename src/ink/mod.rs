@@ -3,6 +3,7 @@
 
 pub mod clusters;
 mod hashing;
+mod images;
 pub mod leaves;
 pub mod motion;
 pub mod plan;

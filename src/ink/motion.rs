@@ -1,5 +1,5 @@
 //! Hatching that stays on its clusters while the camera moves (Coconu, Deussen, Hege 2006,
-//! equations 3, 4 and the turning of V_O).
+//! equations 3, 4 and the turning of `V_O`).
 
 use glam::{DVec2, DVec3};
 
@@ -44,7 +44,7 @@ fn transported(v: DVec3, from: DVec3, to: DVec3) -> DVec3 {
 }
 
 impl Hatch {
-    /// As it starts: V_O points left, the texture's middle is in the cluster's.
+    /// As it starts: `V_O` points left, the texture's middle is in the cluster's.
     #[must_use]
     pub fn start(tiles: DVec2) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl Hatch {
 
     /// After the eye has moved from `before` to `after`: the texture's coordinates of the new
     /// centre (equation 4, with the increment turned into the texture's axes, without which
-    /// strokes slip when the camera rolls), and V_O turned as the picture turns.
+    /// strokes slip when the camera rolls), and `V_O` turned as the picture turns.
     #[must_use]
     pub fn moved(self, before: &View, after: &View, centre: DVec3) -> Self {
         let (old, new) = (Axes::new(before, centre), Axes::new(after, centre));

@@ -1,6 +1,7 @@
 //! What is drawn: leaves in clusters with their shapes, and the wood between them.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use glam::{Vec2, Vec3};
 
@@ -298,13 +299,11 @@ fn cut<'a>(
         return Ok(None);
     };
     let texture = &model.textures[reference.texture];
-    if !images.contains_key(&texture.image) {
-        images.insert(
-            texture.image,
-            textures::decode(&model.images[texture.image])?,
-        );
-    }
-    Ok(images.get(&texture.image).map(|image| Cut {
+    let image = match images.entry(texture.image) {
+        Entry::Occupied(known) => known.into_mut(),
+        Entry::Vacant(new) => new.insert(textures::decode(&model.images[texture.image])?),
+    };
+    Ok(Some(Cut {
         image,
         least: cutoff / material.base_color[3].max(f32::MIN_POSITIVE),
         transform: reference.transform,

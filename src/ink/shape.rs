@@ -11,8 +11,8 @@ use glam::Vec2;
 pub const SHAPE_SIZE: usize = crate::abi::INK_SHAPE_SIZE as usize;
 /// Value of a texel at the leaf's outline; above it lies the leaf, below it the way to the disc.
 pub const OUTLINE: u8 = 128;
-/// Distance inside the leaf over which the values above [`OUTLINE`] rise, in radii.
-const INSIDE_SPAN: f32 = 0.25;
+/// Least distance inside the leaf over which the values above [`OUTLINE`] rise, in radii.
+const INSIDE_SPAN: f32 = 0.05;
 
 /// Alpha of one shape over `[-1, 1]^2`, in radii of its disc; row by row from the tip.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -87,7 +87,8 @@ impl Shape {
 /// Alpha that goes on rising inside the leaf, so that interpolation meets its outline.
 fn extended(leaf: bool, to_leaf: f32, depth: f32, to_disc: f32) -> f32 {
     if leaf {
-        1.0 + depth.max(0.0) / INSIDE_SPAN
+        // As steep as outside, so that interpolation meets the outline in the right place.
+        1.0 + depth.max(0.0) / to_disc.max(INSIDE_SPAN)
     } else if to_disc <= 0.0 {
         0.0
     } else {
@@ -200,13 +201,13 @@ mod tests {
         let size = 17;
         let set: Vec<bool> = (0..size * size).map(|i| i % 23 == 5 || i == 200).collect();
         let found = distances(&set, size);
-        for i in 0..size * size {
+        for (i, &found) in found.iter().enumerate() {
             let (x, y) = ((i % size) as f32, (i / size) as f32);
             let truth = (0..size * size)
                 .filter(|&j| set[j])
                 .map(|j| ((j % size) as f32 - x).hypot((j / size) as f32 - y))
                 .fold(f32::INFINITY, f32::min);
-            assert!((found[i] - truth).abs() < 1e-4, "{i}: {} {truth}", found[i]);
+            assert!((found - truth).abs() < 1e-4, "{i}: {found} {truth}");
         }
     }
 

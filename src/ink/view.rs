@@ -140,9 +140,9 @@ impl View {
 /// the picture along which v grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hatch {
-    /// R_uv, tiles.
+    /// `R_uv`, tiles.
     pub reference: DVec2,
-    /// V_O: unit, x right, y up.
+    /// `V_O`: unit, x right, y up.
     pub up: DVec2,
     /// Tiles over half a turn (m, n).
     pub tiles: DVec2,
