@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 use regex::{Regex, RegexBuilder};
 
 use super::settings::Primitive;
+use crate::math::hashing::WordHash;
 use crate::scene::{AlphaMode, Geometry, Model, Part};
 use crate::{Error, Result};
 
@@ -190,7 +191,7 @@ fn leaf_labels(positions: &[Vec3], indices: &[u32]) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..(indices.len() / 3) as u32).collect();
     // Joining by index first leaves one position look-up per vertex instead of one per corner.
     let mut first_triangle = vec![u32::MAX; positions.len()];
-    let mut owner: HashMap<[u32; 3], u32, PositionHash> = HashMap::default();
+    let mut owner: HashMap<[u32; 3], u32, WordHash> = HashMap::default();
     for (triangle, corners) in indices.chunks_exact(3).enumerate() {
         let triangle = triangle as u32;
         for &corner in corners {
@@ -227,36 +228,6 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
         i = parent[i as usize];
     }
     i
-}
-
-type PositionHash = std::hash::BuildHasherDefault<WordHasher>;
-
-/// Multiplies and mixes words: positions need no defence against chosen keys.
-#[derive(Debug, Default)]
-struct WordHasher(u64);
-
-impl std::hash::Hasher for WordHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 29)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for chunk in bytes.chunks(4) {
-            let mut word = [0; 4];
-            word[..chunk.len()].copy_from_slice(chunk);
-            self.write_u32(u32::from_le_bytes(word));
-        }
-    }
-
-    fn write_u32(&mut self, word: u32) {
-        // The odd constant of Fibonacci hashing, 2^64 / golden ratio.
-        self.0 = (self.0.rotate_left(23) ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
-
-    fn write_usize(&mut self, word: usize) {
-        // Array lengths: the same for every key.
-        let _ = word;
-    }
 }
 
 #[cfg(test)]

@@ -6,11 +6,10 @@
 //! time.
 
 use std::collections::HashMap;
-use std::hash::BuildHasherDefault;
 
 use glam::{IVec3, Vec3};
 
-use super::hashing::CellHasher;
+use crate::math::hashing::WordHash;
 use crate::{Error, Result};
 
 /// Which of the spheres that would do a leaf joins.
@@ -43,7 +42,7 @@ pub struct Clusters {
     pub of_leaf: Vec<u32>,
 }
 
-type Grid = HashMap<IVec3, Vec<u32>, BuildHasherDefault<CellHasher>>;
+type Grid = HashMap<IVec3, Vec<u32>, WordHash>;
 
 /// A sphere while it grows; f64, since thousands of steps add up.
 #[derive(Debug, Clone, Copy)]

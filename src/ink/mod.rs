@@ -2,7 +2,6 @@
 //! Strothotte 2000).
 
 pub mod clusters;
-mod hashing;
 mod images;
 pub mod leaves;
 pub mod motion;

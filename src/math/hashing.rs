@@ -1,10 +1,13 @@
-//! A hash for cells of a grid: their numbers need no defence against chosen keys.
+//! A hash of words for tables whose keys nobody chooses: positions, cells of a grid.
 
 /// Multiplies and mixes words.
 #[derive(Debug, Default)]
-pub(super) struct CellHasher(u64);
+pub struct WordHasher(u64);
 
-impl std::hash::Hasher for CellHasher {
+/// Builds [`WordHasher`]s.
+pub type WordHash = std::hash::BuildHasherDefault<WordHasher>;
+
+impl std::hash::Hasher for WordHasher {
     fn finish(&self) -> u64 {
         self.0 ^ (self.0 >> 29)
     }
@@ -24,5 +27,10 @@ impl std::hash::Hasher for CellHasher {
     fn write_u32(&mut self, word: u32) {
         // The odd constant of Fibonacci hashing, 2^64 / golden ratio.
         self.0 = (self.0.rotate_left(23) ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        // Array lengths: the same for every key.
+        let _ = word;
     }
 }
