@@ -71,9 +71,8 @@ for lod in 0.02 0.05 0.1; do
     light lod --paths "$paths_whole" --directions none --lod $lod
     row "vectors $lod diagonals apart" lod leaf
 done
-light day --paths "$paths_whole" --directions day
-row 'nearest of the maps of a day' day leaf --stored
-row 'blend of the maps of a day' day leaf --stored --blended
+# This sun stands on no day's way: its own map stands for the maps of a day.
+row "stored map of the sun's own place" whole leaf --stored
 light cube --paths "$paths_whole" --directions cube --splits 0
 row 'nearest of 6144 maps, no splits' cube leaf --stored
 row 'blend of 6144 maps, no splits' cube leaf --stored --blended
