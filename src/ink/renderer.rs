@@ -261,7 +261,9 @@ impl InkRenderer {
         })
     }
 
-    fn cluster_records(&self, scene: &InkScene<'_>, view: &View) -> Vec<InkCluster> {
+    /// The clusters as kernels see them in a view.
+    #[must_use]
+    pub fn cluster_records(&self, scene: &InkScene<'_>, view: &View) -> Vec<InkCluster> {
         let scale = f64::from(self.style.hatching.scale) * f64::from(self.factor);
         let least = scene.plant.leaf_radius;
         let clusters = scene.plant.clusters.clusters.iter();

@@ -2,13 +2,15 @@
 
 use std::f32::consts::TAU;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use umbrage::abi::{InkCluster, InkLeaf};
 use umbrage::ink::leaves::LeafTriangles;
 use umbrage::ink::plan::Attribute;
 use umbrage::ink::plant::Plant;
 use umbrage::ink::renderer::{Drawing, InkRenderer, InkScene};
 use umbrage::ink::style::Style;
 use umbrage::ink::view::View;
+use umbrage::reference::ink as twin;
 use umbrage::scene::{Camera, Geometry, Instance, Material, Mesh, Model, Primitive};
 
 use crate::fixture;
@@ -54,8 +56,16 @@ fn cards(discs: &[Disc]) -> Model {
     }
 }
 
-/// The drawing of the cards from the origin towards -z, with depth and ids.
-fn draw(discs: &[Disc], style: &Style, size: [u32; 2]) -> (Drawing, View) {
+/// What is drawn of the cards from the origin towards -z, and what it was drawn from.
+struct Drawn {
+    drawing: Drawing,
+    view: View,
+    leaves: Vec<InkLeaf>,
+    clusters: Vec<InkCluster>,
+}
+
+/// Draws with depth, ids and, if the style has them, hatch coordinates read back.
+fn draw(discs: &[Disc], style: &Style, size: [u32; 2]) -> Drawn {
     let gpu = fixture::gpu();
     let model = cards(discs);
     let geometry = Geometry::flatten(&model);
@@ -82,8 +92,13 @@ fn draw(discs: &[Disc], style: &Style, size: [u32; 2]) -> (Drawing, View) {
         plant: &plant,
     };
     let renderer = InkRenderer::new(&gpu, &scene, style, &view, 1).unwrap();
-    let wanted = [Attribute::Depth, Attribute::Ids];
-    (renderer.draw_with(&scene, &view, &wanted).unwrap(), view)
+    let wanted = [Attribute::Depth, Attribute::Ids, Attribute::Hatch];
+    Drawn {
+        drawing: renderer.draw_with(&scene, &view, &wanted).unwrap(),
+        leaves: plant.records(style.seed),
+        clusters: renderer.cluster_records(&scene, &view),
+        view,
+    }
 }
 
 fn lines_of_discs(threshold: f32) -> Style {
@@ -184,7 +199,7 @@ fn places(line: &[f32], width: u32) -> Vec<Vec2> {
 fn contours_are_the_analytic_outlines_of_random_discs_on_the_nearer_side() {
     let size = [400, 300];
     let discs = random_discs(300);
-    let (drawing, view) = draw(&discs, &lines_of_discs(0.001), size);
+    let Drawn { drawing, view, .. } = draw(&discs, &lines_of_discs(0.001), size);
     let line = floats(&drawing.lines[0]);
     let found = places(&line, size[0]);
     let truth = outlines(&discs, &view, 0.001 * (view.depths[1] - view.depths[0]));
@@ -216,7 +231,7 @@ fn a_higher_threshold_never_has_more_contours() {
     let size = [200, 150];
     let discs = random_discs(120);
     let count = |threshold: f32| {
-        let (drawing, _) = draw(&discs, &lines_of_discs(threshold), size);
+        let drawing = draw(&discs, &lines_of_discs(threshold), size).drawing;
         floats(&drawing.lines[0])
             .iter()
             .filter(|v| **v > 0.0)
@@ -229,6 +244,73 @@ fn a_higher_threshold_never_has_more_contours() {
         counts[4] > 0 && counts[0] as f64 > 1.3 * counts[4] as f64,
         "{counts:?}"
     );
+}
+
+#[test]
+fn hatching_and_places_of_leaves_are_those_of_their_twins() {
+    let style = Style::parse(
+        "format_version = 1\ndescription = \"hatching\"\n\
+         [leaves]\nfacing = 1.0\nshape = 0.0\ncluster_radius = 0.15\ndisplacement = 1.0\n\
+         [contour]\nstrength = 1.0\n[hatching]\nstrength = 1.0\n",
+    )
+    .unwrap();
+    let leaf = |x: f32, y: f32, z: f32| Disc {
+        at: Vec3::new(x, y, z),
+        radius: 0.05,
+    };
+    // Two clusters of three leaves: two ends, and one between them that has a way to go.
+    let three = |x: f32, z: f32| {
+        [
+            leaf(x, -0.3, z),
+            leaf(x, 0.3, z),
+            leaf(x + 0.1, 0.0, z + 0.04),
+        ]
+    };
+    let discs = [three(-0.8, -3.0), three(0.9, -4.0)].concat();
+    let size = [480, 360];
+    let drawn = draw(&discs, &style, size);
+    assert_eq!(drawn.clusters.len(), 2);
+    let of = |attribute: Attribute| {
+        let found = drawn.drawing.attributes.iter().find(|a| a.0 == attribute);
+        found.map(|a| a.1.clone()).unwrap()
+    };
+    let depth = floats(&of(Attribute::Depth));
+    let ids = floats(&of(Attribute::Ids));
+    let halves: Vec<f32> = of(Attribute::Hatch)
+        .chunks_exact(2)
+        .map(|b| umbrage::math::packing::f16_to_f32(u16::from_le_bytes([b[0], b[1]])))
+        .collect();
+    let packing = f64::from(style.hatching.packing);
+    let mut seen = 0;
+    for (i, &d) in depth.iter().enumerate().filter(|p| *p.1 > 0.0) {
+        let pixel = DVec2::new((i % 480) as f64 + 0.5, (i / 480) as f64 + 0.5);
+        let cluster = &drawn.clusters[ids[2 * i + 1] as usize - 1];
+        let focal = drawn.view.focal();
+        let (at, level) = twin::hatch(cluster, pixel, f64::from(d), focal, packing).unwrap();
+        let found = DVec2::new(f64::from(halves[4 * i]), f64::from(halves[4 * i + 1]));
+        let off = at - found;
+        // Tiles repeat: whole ones do not count.
+        assert!((off - off.round()).length() < 3e-3, "{pixel}: {at} {found}");
+        assert!(
+            (level - f64::from(halves[4 * i + 2])).abs() < 0.01,
+            "{pixel}"
+        );
+        seen += 1;
+    }
+    assert!(seen > 100, "{seen} pixels");
+    for leaf in &drawn.leaves {
+        let cluster = &drawn.clusters[leaf.cluster as usize];
+        let (place, _) = twin::displaced(leaf, cluster, 1.0);
+        let (pixel, expected) = drawn.view.pixel(place);
+        let there = pixel.y as usize * 480 + pixel.x as usize;
+        let found = f64::from(depth[there]);
+        assert!(
+            (found - expected).abs() < 1e-4,
+            "{place}: {found} {expected}"
+        );
+        let centre = DVec3::from(cluster.centre.map(f64::from));
+        assert!((place.distance(centre) - f64::from(cluster.radius)).abs() < 1e-6);
+    }
 }
 
 #[test]
@@ -248,7 +330,7 @@ fn clusters_around_and_behind_the_camera_are_drawn_finitely() {
         at(0.5, 0.3, -3.0),
     ];
     for size in [[64, 48], [1, 1], [1, 40], [40, 1]] {
-        let (drawing, _) = draw(&discs, &style, size);
+        let drawing = draw(&discs, &style, size).drawing;
         for bytes in drawing.pixels.chunks_exact(2) {
             let bits = u16::from_le_bytes([bytes[0], bytes[1]]);
             assert!(bits & 0x7c00 != 0x7c00, "{size:?}: a pixel is no number");
