@@ -1,0 +1,183 @@
+//! A picture: the order of its passes, and what is read back.
+
+use glam::DVec2;
+
+use super::pipelines::Stage1Pipelines;
+use super::stage2::Stage2;
+use super::targets::Targets;
+use super::uploads::Uploads;
+use crate::Result;
+use crate::abi::{InkCluster, InkFrame};
+use crate::gpu::{Buffer, BufferInfo, Gpu, PassTime, QueueKind};
+use crate::ink::clusters::Cluster;
+use crate::ink::plan::{Attribute, InkPlan};
+use crate::ink::plant::Plant;
+use crate::ink::style::Style;
+use crate::ink::view::{Hatch, View, tiles_about};
+use crate::scene::{Geometry, Model};
+
+/// What is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct InkScene<'a> {
+    /// Materials and textures.
+    pub model: &'a Model,
+    /// Triangles of the wood.
+    pub geometry: &'a Geometry,
+    /// Leaves.
+    pub plant: &'a Plant,
+}
+
+/// A picture in linear light, straight from the device, with the times of its passes.
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    /// Pixels across and down.
+    pub size: [u32; 2],
+    /// RGBA, 16-bit floats.
+    pub pixels: Vec<u8>,
+    /// Device times.
+    pub passes: Vec<PassTime>,
+    /// Attributes of stage 1 that were asked for, with the bytes of their images.
+    pub attributes: Vec<(Attribute, Vec<u8>)>,
+    /// Contour, cleaned contour and silhouette, as far as the style has them and attributes were
+    /// asked for: 32-bit floats.
+    pub lines: Vec<Vec<u8>>,
+}
+
+/// Draws one plant in one style from any view.
+pub struct InkRenderer {
+    pub(super) gpu: Gpu,
+    pub(super) style: Style,
+    pub(super) size: [u32; 2],
+    /// Pixels of this picture for one of the final one: widths in pixels grow by it.
+    pub(super) factor: u32,
+    /// Distance of the eye at which strokes have the style's size, metres: strokes stay on their
+    /// clusters, and grow and shrink with them, when the eye moves.
+    pub(super) reference: f64,
+    pub(super) frame: Buffer,
+    pub(super) clusters: Buffer,
+    pub(super) uploads: Uploads,
+    pub(super) targets: Targets,
+    pub(super) stage1: Stage1Pipelines,
+    pub(super) stage2: Stage2,
+}
+
+impl std::fmt::Debug for InkRenderer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "InkRenderer({}x{})", self.size[0], self.size[1])
+    }
+}
+
+impl InkRenderer {
+    /// Uploads the plant and makes what the style needs for pictures of the size of `view`, of
+    /// whose pixels `factor` along each axis become one. Strokes have the style's size in that
+    /// view.
+    ///
+    /// # Errors
+    /// A texture that cannot be decoded, or memory runs out.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &InkScene<'_>,
+        style: &Style,
+        view: &View,
+        factor: u32,
+    ) -> Result<Self> {
+        let plan = InkPlan::new(style);
+        let clusters = scene.plant.clusters.len().max(1) * size_of::<InkCluster>();
+        let device = |name, bytes: usize| gpu.buffer(BufferInfo::device(name, bytes as u64));
+        Ok(Self {
+            gpu: gpu.clone(),
+            style: style.clone(),
+            size: view.size,
+            factor,
+            reference: view.middle_distance(),
+            frame: device("ink frame", size_of::<InkFrame>())?,
+            clusters: device("ink clusters", clusters)?,
+            uploads: Uploads::new(gpu, scene, style)?,
+            targets: Targets::new(gpu, &plan, view.size)?,
+            stage1: Stage1Pipelines::new(gpu, &plan.attributes())?,
+            stage2: Stage2::new(gpu, style, &plan)?,
+        })
+    }
+
+    /// Draws the plant.
+    ///
+    /// # Errors
+    /// Memory runs out or the device is lost.
+    pub fn draw(&self, scene: &InkScene<'_>, view: &View) -> Result<Drawing> {
+        self.draw_with(scene, view, &[])
+    }
+
+    /// As [`InkRenderer::draw`], with attributes of stage 1 read back; those that the style does
+    /// not need do not exist.
+    ///
+    /// # Errors
+    /// Memory runs out or the device is lost.
+    pub fn draw_with(
+        &self,
+        scene: &InkScene<'_>,
+        view: &View,
+        wanted: &[Attribute],
+    ) -> Result<Drawing> {
+        let shading = &self.style.shading;
+        let frame = view.frame(shading.ambient, shading.depth);
+        let mut work = self.gpu.work(QueueKind::Graphics, "ink")?;
+        work.upload("ink frame", &self.frame, &[frame])?;
+        work.upload(
+            "ink clusters",
+            &self.clusters,
+            &self.cluster_records(scene, view),
+        )?;
+        self.stage1(&mut work, scene, view)?;
+        self.stage2(&mut work, view)?;
+        let picture = work.read_image("ink picture", &self.targets.picture)?;
+        let mut attributes = Vec::new();
+        let mut lines = Vec::new();
+        for (attribute, image) in self
+            .targets
+            .attributes
+            .iter()
+            .filter(|t| wanted.contains(&t.0))
+        {
+            attributes.push((*attribute, work.read_image(attribute.label(), image)?));
+        }
+        for image in self
+            .targets
+            .lines
+            .iter()
+            .flatten()
+            .filter(|_| !wanted.is_empty())
+        {
+            lines.push(work.read_image("ink lines", image)?);
+        }
+        let mut done = work.submit()?.wait()?;
+        let passes = done.passes().to_vec();
+        Ok(Drawing {
+            size: self.size,
+            pixels: done.take(picture),
+            passes,
+            attributes: attributes
+                .into_iter()
+                .map(|(a, r)| (a, done.take(r)))
+                .collect(),
+            lines: lines.into_iter().map(|r| done.take(r)).collect(),
+        })
+    }
+
+    /// The clusters as kernels see them in a view.
+    #[must_use]
+    pub fn cluster_records(&self, scene: &InkScene<'_>, view: &View) -> Vec<InkCluster> {
+        let scale = f64::from(self.style.hatching.scale) * f64::from(self.factor);
+        let least = scene.plant.leaf_radius;
+        let clusters = scene.plant.clusters.clusters.iter();
+        let record = |(number, cluster): (u32, &Cluster)| {
+            let radius = f64::from(cluster.radius.max(least));
+            let tiles = tiles_about(radius, self.reference, view.focal(), scale);
+            let mut hatch = Hatch::stateless(view, cluster.centre.as_dvec3(), DVec2::splat(tiles));
+            if self.style.hatching.scatter {
+                hatch = hatch.scattered(number);
+            }
+            view.cluster(cluster, least, &hatch)
+        };
+        (0..).zip(clusters).map(record).collect()
+    }
+}
