@@ -19,6 +19,8 @@ pub struct Camera {
     pub aspect: f64,
     /// Distance of the near plane, metres, above 0. There is no far plane.
     pub near: f64,
+    /// Turn about the direction of view, degrees; the top of the picture leans to the right.
+    pub roll: f64,
 }
 
 /// Basis of a direction of view: right, up, backward (unit, right-handed). Looking straight up or
@@ -55,6 +57,7 @@ impl Camera {
                     fov: lens.fov,
                     aspect: lens.aspect,
                     near: reach * NEAR_SHARE,
+                    roll: 0.0,
                 }
             }
             CameraSpec::Orbit {
@@ -105,6 +108,7 @@ impl Camera {
                 fov: lens.fov,
                 aspect: lens.aspect,
                 near: NEAR_SHARE,
+                roll: 0.0,
             };
         }
         let x = 0.5 * (support[0] - support[1]);
@@ -136,13 +140,40 @@ impl Camera {
             fov: lens.fov,
             aspect: lens.aspect,
             near: (z - farthest) * NEAR_SHARE,
+            roll: 0.0,
+        }
+    }
+
+    /// A camera at a place, with the near plane that suits `points` (relative to `origin`).
+    #[must_use]
+    pub fn posed(
+        pose: &Pose,
+        aspect: f64,
+        origin: DVec3,
+        points: impl Iterator<Item = Vec3>,
+    ) -> Self {
+        let reach = points
+            .map(|p| (origin + p.as_dvec3() - pose.eye).length())
+            .fold(f64::MIN_POSITIVE, f64::max);
+        Self {
+            eye: pose.eye,
+            forward: pose.forward,
+            fov: pose.fov,
+            aspect,
+            near: reach * NEAR_SHARE,
+            roll: pose.roll,
         }
     }
 
     /// Right, up and backward unit vectors.
     #[must_use]
     pub fn basis(&self) -> [DVec3; 3] {
-        basis(self.forward)
+        let [right, up, back] = basis(self.forward);
+        if self.roll == 0.0 {
+            return [right, up, back];
+        }
+        let (sine, cosine) = self.roll.to_radians().sin_cos();
+        [cosine * right - sine * up, cosine * up + sine * right, back]
     }
 
     /// Clip from positions relative to `origin`. The large parts (origin minus eye) cancel in f64
@@ -185,6 +216,19 @@ const CENTRING_ROUNDS: usize = 3;
 
 /// Share of the subject's farthest distance at which the near plane stands.
 const NEAR_SHARE: f64 = 1e-3;
+
+/// Where a camera stands at one moment, and how it looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// World metres.
+    pub eye: DVec3,
+    /// Unit direction of view.
+    pub forward: DVec3,
+    /// Vertical field of view, degrees.
+    pub fov: f64,
+    /// As [`Camera::roll`].
+    pub roll: f64,
+}
 
 /// Opening of the camera and shape of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -351,6 +395,28 @@ mod tests {
         assert!((f64::from(clip.x / clip.w) * 0.5 + 0.5 - at.x).abs() < 1e-6);
         assert!((f64::from(clip.y / clip.w) * 0.5 + 0.5 - at.y).abs() < 1e-6);
         assert!((f64::from(clip.z) - camera.near).abs() < 1e-6 * camera.near);
+    }
+
+    #[test]
+    fn a_rolled_camera_turns_the_picture_and_nothing_else() {
+        let spec = "10,2,5/0,1,0".parse().expect("a camera");
+        let level = Camera::new(&spec, LENS, DVec3::ZERO, cloud().into_iter());
+        let turned = Camera {
+            roll: 90.0,
+            aspect: 1.0,
+            ..level
+        };
+        // What was above the middle now lies to its left.
+        let [_, up, _] = level.basis();
+        let above = level.eye + 5.0 * level.forward + up;
+        let (at, depth) = turned.project(above);
+        assert!((at.y - 0.5).abs() < 1e-12 && at.x < 0.4, "{at}");
+        assert!(
+            (depth - level.project(above).1).abs() < 1e-12,
+            "depth stays"
+        );
+        let clip = turned.relative_to_clip(DVec3::ZERO) * above.as_vec3().extend(1.0);
+        assert!((f64::from(clip.x / clip.w) * 0.5 + 0.5 - at.x).abs() < 1e-5);
     }
 
     #[test]

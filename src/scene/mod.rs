@@ -1,6 +1,7 @@
 //! What is drawn: models, their materials, and the files they come from.
 
 pub mod camera;
+pub mod camera_path;
 pub mod camera_spec;
 pub mod export;
 pub mod extensions;
@@ -15,7 +16,8 @@ pub mod population;
 pub mod scene_file;
 pub mod textures;
 
-pub use camera::{Camera, Lens, LightView};
+pub use camera::{Camera, Lens, LightView, Pose};
+pub use camera_path::CameraPath;
 pub use camera_spec::CameraSpec;
 pub use geometry::{Geometry, Part};
 pub use light::{Sky, Sun};

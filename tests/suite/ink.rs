@@ -84,6 +84,7 @@ fn draw(discs: &[Disc], style: &Style, size: [u32; 2]) -> Drawn {
         fov: 60.0,
         aspect: f64::from(size[0]) / f64::from(size[1]),
         near: 0.01,
+        roll: 0.0,
     };
     let view = View::new(camera, geometry.origin, size, Vec3::Y, &geometry.positions);
     let scene = InkScene {
