@@ -4,13 +4,14 @@
 // Hatch coordinates on a cluster's sphere (Coconu, Deussen, Hege 2006, equations 5 to 8, as the
 // spec reads them): place in the tile (0 to 1), and the binary logarithm of the texels of the
 // finest level that a pixel spans.
-vec3 hatch_coordinates(InkCluster cluster, vec2 pixel, float depth, float focal, float packing) {
+vec3 hatch_coordinates(InkCluster cluster, vec2 pixel, float depth, float packing) {
     if (cluster.pixel_radius <= 0.0) {
         return vec3(0.0);
     }
-    // Metres of the sphere's front per pixel, as an angle on it.
-    float angle_per_pixel = cluster.front / (focal * cluster.radius);
-    vec2 offset = (pixel - cluster.pixel) * vec2(1.0, -1.0) * angle_per_pixel;
+    vec2 away = (pixel - cluster.pixel) * vec2(1.0, -1.0);
+    vec4 m = cluster.to_angles;
+    vec2 offset = vec2(dot(m.xy, away), dot(m.zw, away));
+    float angle_per_pixel = sqrt(abs(m.x * m.w - m.y * m.z));
     // How far behind the front point, in radii.
     float behind = clamp((depth - cluster.front) / cluster.radius, 0.0, 1.0);
     float f = 1.0 + packing * behind * behind;

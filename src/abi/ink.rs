@@ -79,8 +79,11 @@ abi! {
             pixel: [f32; 2],
             /// Radius of its outline, pixels; 0 where the camera is in it or before it.
             pixel_radius: f32,
-            /// Distance of its front point from the eye.
+            /// Eye depth of its front point.
             front: f32,
+            /// Angles on the sphere about the front point for a pixel to the right and for one
+            /// upwards: to the right (x, y) and upwards (z, w) as the eye sees the sphere.
+            to_angles: [f32; 4],
             /// Texture coordinates of its centre.
             reference: [f32; 2],
             /// The picture's direction along which v grows, unit, x right, y up.

@@ -1,5 +1,6 @@
 //! The program: arguments, commands, progress, files.
 
+pub mod animation;
 pub mod bake;
 pub mod bake_file;
 pub mod cache;

@@ -4,6 +4,7 @@
 pub mod clusters;
 mod images;
 pub mod leaves;
+pub mod motion;
 pub mod plan;
 pub mod plant;
 pub mod renderer;

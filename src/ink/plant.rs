@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::clusters::{Choice, Clusters};
 use super::leaves::{Leaf, LeafTriangles, leaves};
@@ -110,6 +110,23 @@ impl Plant {
             batches,
             wood,
         })
+    }
+
+    /// For each cluster the middle of its object's clusters. A cluster's object is that of its first
+    /// leaf.
+    #[must_use]
+    pub fn object_centres(&self) -> Vec<DVec3> {
+        let mut object_of = vec![None; self.clusters.len()];
+        for (leaf, &cluster) in self.leaves.iter().zip(&self.clusters.of_leaf) {
+            object_of[cluster as usize].get_or_insert(leaf.instance);
+        }
+        let mut sums: HashMap<Option<u32>, (DVec3, f64)> = HashMap::new();
+        for (object, cluster) in object_of.iter().zip(&self.clusters.clusters) {
+            let sum = sums.entry(*object).or_default();
+            *sum = (sum.0 + cluster.centre.as_dvec3(), sum.1 + 1.0);
+        }
+        let middle = |object: &Option<u32>| sums.get(object).map_or(DVec3::ZERO, |s| s.0 / s.1);
+        object_of.iter().map(middle).collect()
     }
 
     /// The leaves as kernels see them. `seed` fixes the order in which they are dropped.

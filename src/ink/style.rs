@@ -162,6 +162,9 @@ pub struct Hatching {
     pub gamma: f32,
     /// Starts every cluster's strokes elsewhere, against repetition.
     pub scatter: bool,
+    /// Strokes of all clusters of an object follow the camera's way about the object's middle (the
+    /// paper, read literally) instead of about their own; they slip beside it.
+    pub per_object: bool,
 }
 
 impl Default for Hatching {
@@ -173,6 +176,7 @@ impl Default for Hatching {
             white: 0.75,
             gamma: 1.0,
             scatter: true,
+            per_object: false,
         }
     }
 }

@@ -1,9 +1,10 @@
 //! What of clusters and textures depends on the camera: places in the picture, hatch coordinates
 //! (Coconu, Deussen, Hege 2006, equations 3 to 7).
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DMat2, DVec2, DVec3, Vec3};
 
 use super::clusters::Cluster;
+use super::motion::Course;
 use crate::abi::{InkCluster, InkFrame};
 use crate::scene::Camera;
 
@@ -107,6 +108,26 @@ impl View {
         (at, depth)
     }
 
+    /// Angles (radians) on a sphere about its front point along the axes of the eye's view of it,
+    /// for a pixel to the right and one upwards: the inverse of how the picture shows the sphere
+    /// there, exact also beside the picture's middle.
+    fn to_angles(&self, centre: DVec3, radius: f64) -> [f32; 4] {
+        let axes = Axes::new(self, centre);
+        let [right, up, _] = self.camera.basis();
+        let forward = self.camera.forward;
+        let front = centre + radius * axes.z - self.eye();
+        let depth = front.dot(forward);
+        let scale = self.focal() * radius / (depth * depth);
+        // Pixels for an angle along an axis of the sphere.
+        let shown = |axis: DVec3| {
+            let along = |of: DVec3| axis.dot(of) * depth - front.dot(of) * axis.dot(forward);
+            DVec2::new(along(right), along(up)) * scale
+        };
+        let inverse = DMat2::from_cols(shown(axes.x), shown(axes.y)).inverse();
+        let [a, c, b, d] = inverse.to_cols_array();
+        [a, b, c, d].map(|v| if v.is_finite() { v as f32 } else { 0.0 })
+    }
+
     /// A cluster in the picture. `least` is the smallest radius taken for it: that of a leaf.
     /// A cluster around the eye or behind it has no outline (`pixel_radius` 0).
     #[must_use]
@@ -115,8 +136,8 @@ impl View {
         let radius = f64::from(cluster.radius.max(least).max(f32::MIN_POSITIVE));
         let distance = (centre - self.eye()).length();
         let (pixel, depth) = self.pixel(centre);
-        let front = distance - radius;
-        let seen = front > self.camera.near && depth > self.camera.near;
+        let seen = distance - radius > self.camera.near && depth > self.camera.near;
+        let front = depth * (1.0 - radius / distance.max(f64::MIN_POSITIVE));
         // The outline of a sphere: at the tangent cone, not at the radius.
         let outline = if seen {
             self.focal() * radius / (distance * distance - radius * radius).sqrt()
@@ -129,9 +150,41 @@ impl View {
             pixel: pixel.as_vec2().to_array(),
             pixel_radius: outline as f32,
             front: front.max(0.0) as f32,
+            to_angles: if seen {
+                self.to_angles(centre, radius)
+            } else {
+                [0.0; 4]
+            },
             reference: hatch.reference.as_vec2().to_array(),
             texture_up: hatch.up.as_vec2().to_array(),
             tiles: hatch.tiles.as_vec2().to_array(),
+        }
+    }
+}
+
+/// Axes at a cluster: x to the right of the picture and y upwards, both across z, which points to
+/// the eye.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Axes {
+    pub(super) x: DVec3,
+    pub(super) y: DVec3,
+    pub(super) z: DVec3,
+}
+
+impl Axes {
+    pub(super) fn new(view: &View, centre: DVec3) -> Self {
+        let [right, up, _] = view.camera.basis();
+        let z = (view.eye() - centre).try_normalize();
+        let z = z.unwrap_or(-view.camera.forward);
+        let across = right - right.dot(z) * z;
+        // A cluster straight to the side of the eye: the picture's up serves.
+        let x = across
+            .try_normalize()
+            .unwrap_or_else(|| up.cross(z).normalize_or(DVec3::X));
+        Self {
+            x,
+            y: z.cross(x),
+            z,
         }
     }
 }
@@ -149,27 +202,19 @@ pub struct Hatch {
 }
 
 /// Tiles over half a turn about a sphere of `radius` metres, for strokes as large as in the tile
-/// (`scale` pixels a texel) where the eye is `distance` metres away.
+/// (`scale` pixels a texel) where a pixel is `pixel` metres.
 #[must_use]
-pub fn tiles_about(radius: f64, distance: f64, focal: f64, scale: f64) -> f64 {
-    let pixels = std::f64::consts::PI * radius * focal / distance;
-    pixels / (f64::from(crate::abi::INK_TILE) * scale)
+pub fn tiles_about(radius: f64, pixel: f64, scale: f64) -> f64 {
+    std::f64::consts::PI * radius / (pixel * f64::from(crate::abi::INK_TILE) * scale)
 }
 
 impl Hatch {
-    /// From the direction of the eye and the world's up alone, without history: the same for
-    /// level walks as the paper's sum of increments.
+    /// What a course makes of tiles of one size.
     #[must_use]
-    pub fn stateless(view: &View, centre: DVec3, tiles: DVec2) -> Self {
-        let to_eye = (view.eye() - centre).normalize_or(DVec3::Z);
-        let azimuth = to_eye.x.atan2(to_eye.z);
-        let elevation = to_eye.y.clamp(-1.0, 1.0).asin();
-        let [right, up, _] = view.camera.basis();
-        let world_up = DVec2::new(DVec3::Y.dot(right), DVec3::Y.dot(up));
+    pub fn new(course: &Course, tiles: DVec2) -> Self {
         Self {
-            reference: DVec2::new(azimuth, elevation) * tiles / std::f64::consts::PI,
-            // Seen from straight above the world's up has no direction.
-            up: world_up.try_normalize().unwrap_or(DVec2::Y),
+            reference: course.turned * tiles / std::f64::consts::PI,
+            up: course.up,
             tiles,
         }
     }

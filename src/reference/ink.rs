@@ -135,21 +135,17 @@ pub fn silhouette(
 /// Hatch coordinates (not wrapped into their tile) and level: `hatch_coordinates` of
 /// `ink_hatch.glsl`; equations 5 to 8.
 #[must_use]
-pub fn hatch(
-    cluster: &InkCluster,
-    pixel: DVec2,
-    depth: f64,
-    focal: f64,
-    packing: f64,
-) -> Option<(DVec2, f64)> {
+pub fn hatch(cluster: &InkCluster, pixel: DVec2, depth: f64, packing: f64) -> Option<(DVec2, f64)> {
     if cluster.pixel_radius <= 0.0 {
         return None;
     }
     let radius = f64::from(cluster.radius);
     let front = f64::from(cluster.front);
     let centre = DVec2::from(cluster.pixel.map(f64::from));
-    let per_pixel = front / (focal * radius);
-    let offset = (pixel - centre) * DVec2::new(1.0, -1.0) * per_pixel;
+    let away = (pixel - centre) * DVec2::new(1.0, -1.0);
+    let [a, b, c, d] = cluster.to_angles.map(f64::from);
+    let per_pixel = (a * d - b * c).abs().sqrt();
+    let offset = DVec2::new(a * away.x + b * away.y, c * away.x + d * away.y);
     let behind = ((depth - front) / radius).clamp(0.0, 1.0);
     let f = 1.0 + packing * behind * behind;
     let up = DVec2::from(cluster.texture_up.map(f64::from));
@@ -319,13 +315,14 @@ mod tests {
             pixel: [100.0, 100.0],
             pixel_radius: 50.0,
             front: 9.0,
+            to_angles: [0.02, 0.0, 0.0, 0.02],
             texture_up: [0.0, 1.0],
             tiles: [1.0, 1.0],
             ..InkCluster::default()
         };
         let packing = std::f64::consts::FRAC_PI_2 - 1.0;
-        let limb = hatch(&cluster, DVec2::new(150.0, 100.0), 10.0, 450.0, packing);
-        let plain = hatch(&cluster, DVec2::new(150.0, 100.0), 9.0, 450.0, packing);
+        let limb = hatch(&cluster, DVec2::new(150.0, 100.0), 10.0, packing);
+        let plain = hatch(&cluster, DVec2::new(150.0, 100.0), 9.0, packing);
         let ratio = limb.unwrap().0.x / plain.unwrap().0.x;
         assert!(
             (ratio - std::f64::consts::FRAC_PI_2).abs() < 1e-6,
@@ -335,7 +332,7 @@ mod tests {
             pixel_radius: 0.0,
             ..cluster
         };
-        assert!(hatch(&hidden, DVec2::ZERO, 1.0, 450.0, 0.0).is_none());
+        assert!(hatch(&hidden, DVec2::ZERO, 1.0, 0.0).is_none());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Everything about a picture that can be chosen; `setting_table.rs` describes it.
 
-use crate::scene::{CameraSpec, Sky, Sun};
+use crate::scene::{CameraSpec, Pose, Sky, Sun};
 
 /// What stands behind the subject.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,6 +65,8 @@ pub struct RenderSettings {
     pub leaf_outline: u32,
     /// Where from.
     pub camera: CameraSpec,
+    /// Stands for `camera`, `fov` and `margin`: a place on a way.
+    pub pose: Option<Pose>,
     /// Vertical field of view.
     pub fov: f64,
     /// Free share of the picture on every side.
@@ -107,6 +109,7 @@ impl Default for RenderSettings {
             anisotropy: 1.0,
             leaf_outline: 16,
             camera: CameraSpec::default(),
+            pose: None,
             fov: 30.0,
             margin: 0.04,
             sun: Sun::default(),

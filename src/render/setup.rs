@@ -38,6 +38,10 @@ pub struct Setup {
 #[must_use]
 pub fn camera(subject: &Subject<'_>, settings: &RenderSettings) -> Camera {
     let g = subject.geometry;
+    if let Some(pose) = &settings.pose {
+        let aspect = f64::from(settings.size[0]) / f64::from(settings.size[1]);
+        return Camera::posed(pose, aspect, g.origin, g.positions.iter().copied());
+    }
     let lens = Lens {
         fov: settings.fov,
         aspect: f64::from(settings.size[0]) / f64::from(settings.size[1]),

@@ -286,8 +286,7 @@ fn hatching_and_places_of_leaves_are_those_of_their_twins() {
     for (i, &d) in depth.iter().enumerate().filter(|p| *p.1 > 0.0) {
         let pixel = DVec2::new((i % 480) as f64 + 0.5, (i / 480) as f64 + 0.5);
         let cluster = &drawn.clusters[ids[2 * i + 1] as usize - 1];
-        let focal = drawn.view.focal();
-        let (at, level) = twin::hatch(cluster, pixel, f64::from(d), focal, packing).unwrap();
+        let (at, level) = twin::hatch(cluster, pixel, f64::from(d), packing).unwrap();
         let found = DVec2::new(f64::from(halves[4 * i]), f64::from(halves[4 * i + 1]));
         let off = at - found;
         // Tiles repeat: whole ones do not count.

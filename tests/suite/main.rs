@@ -24,6 +24,7 @@ mod golden;
 mod gpu;
 mod grow;
 mod ink;
+mod ink_motion;
 mod leaf_cli;
 mod leaf_files;
 mod leaf_fit;

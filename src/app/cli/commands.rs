@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use super::chosen::Chosen;
 use super::ink::InkArgs;
 use super::light::LitArgs;
+use super::motion::MotionArgs;
 use super::tables::{ExportTable, FoliageTable, PictureTable};
 use crate::app::input::Source;
 use crate::render::View;
@@ -85,6 +86,9 @@ pub struct RenderArgs {
     /// Pen and ink.
     #[command(flatten)]
     pub ink: InkArgs,
+    /// Many frames.
+    #[command(flatten)]
+    pub motion: MotionArgs,
     /// Settings of the picture.
     #[command(flatten)]
     pub picture: Chosen<PictureTable>,
@@ -105,7 +109,8 @@ Examples:
   umbrage render oak.glb -o oak.png --lighting leaf --light oak.light
   umbrage render oak.glb -o sheet.png --lighting prt,leaf,truth --light oak.light --difference
   umbrage render oak.glb -o lamp.png --lighting lvc --lamp disc:0,4,3/0,-0.6,-0.8/0.2/60,50,40
-  umbrage render oak.glb -o oak.png --style silhouette-hatching";
+  umbrage render oak.glb -o oak.png --style silhouette-hatching
+  umbrage render oak.glb -o frame-%04d.png --style full --camera-path orbit:turns=1,frames=96";
 }
 
 /// Arguments of `bake`.

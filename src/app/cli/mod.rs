@@ -6,6 +6,7 @@ pub mod global;
 pub mod ink;
 pub mod leaf;
 pub mod light;
+pub mod motion;
 mod ranges;
 pub mod tables;
 

@@ -1,9 +1,10 @@
 //! `umbrage render`: a picture, or a sheet of views side by side and models below each other.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use crate::app::animation::Animation;
 use crate::app::cli::RenderArgs;
 use crate::app::input::Source;
 use crate::app::output::{PendingFile, check_apart, check_ending};
@@ -30,6 +31,9 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     }
     if args.ink.style.is_some() {
         return super::render_ink::run(context, args);
+    }
+    if let Some(animation) = Animation::new(&args.motion, &args.output)? {
+        return frames(context, args, animation);
     }
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &["png", "jpg", "jpeg"])?;
@@ -64,6 +68,69 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     let bytes = timings.measure("encode", || encode(&picture, output.path()))?;
     output.commit(&bytes)?;
     Ok(report(context, args, &picture, models, &timings))
+}
+
+/// Draws a view from every place on a way.
+fn frames(context: &Context, args: &RenderArgs, animation: Animation) -> Result<Report> {
+    let [source] = args.inputs.as_slice() else {
+        return Err(Error::usage("--camera-path: takes one model"));
+    };
+    let mut timings = Timings::default();
+    let view = args.view;
+    let (pattern, textures) = (args.model.foliage.as_deref(), &args.model.textures);
+    let prepared = Prepared::new(source, textures, pattern, &args.settings, &mut timings)?;
+    let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
+    let path = animation.path(&prepared.geometry, &settings)?;
+    let baked = if view.needs_bake() {
+        Some(prepared.bake(context, &mut timings)?.bake)
+    } else {
+        None
+    };
+    let found = field(context, &prepared, &[view], &mut timings)?;
+    let mut subject = subject(&prepared, baked.as_ref());
+    if let Some(found) = &found {
+        show_field(&mut subject, found);
+    }
+    let gpu = context.gpu()?;
+    let files = animation.write(&path, |frame| {
+        let settings = RenderSettings {
+            pose: Some(path.pose(f64::from(frame))),
+            ..settings
+        };
+        let plan = Plan::new(&subject, &settings, &[view])?;
+        check_size(gpu, &settings, &plan)?;
+        let mut renderer = Renderer::new(gpu, &subject, &settings, plan)?;
+        let rendered = timings.measure("draw", || renderer.render_view(view))?;
+        timings.add_passes(&rendered.passes);
+        Ok(rendered.picture)
+    })?;
+    Ok(frames_report(context, &files, settings.size, &timings))
+}
+
+/// What was written of a way.
+pub(super) fn frames_report(
+    context: &Context,
+    files: &[PathBuf],
+    [width, height]: [u32; 2],
+    timings: &Timings,
+) -> Report {
+    let mut text = match files {
+        [] => String::new(),
+        [one] => format!("{}: {width}x{height}\n", one.display()),
+        [first, .., last] => format!(
+            "{} to {}: {} frames, {width}x{height}\n",
+            first.display(),
+            last.display(),
+            files.len()
+        ),
+    };
+    if context.timings() {
+        text += &format!("\n{}", timings.table());
+    }
+    let json = json!({
+        "frames": files, "width": width, "height": height, "times": timings.json(),
+    });
+    Report::new(text, json)
 }
 
 /// All views of one input.
@@ -193,7 +260,7 @@ pub(super) fn subject<'a>(prepared: &'a Prepared, bake: Option<&'a Bake>) -> Sub
 }
 
 /// PNG, or JPEG where the name says so.
-pub(super) fn encode(picture: &Picture, path: &Path) -> Result<Vec<u8>> {
+pub(in crate::app) fn encode(picture: &Picture, path: &Path) -> Result<Vec<u8>> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension == "jpg" || extension == "jpeg" {
         picture.to_jpeg()

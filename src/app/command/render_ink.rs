@@ -1,8 +1,10 @@
 //! `umbrage render --style`: plants in pen and ink.
 
+use glam::DVec3;
 use serde_json::json;
 
-use super::render::encode;
+use super::render::{encode, frames_report};
+use crate::app::animation::Animation;
 use crate::app::cli::RenderArgs;
 use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::prepared::Prepared;
@@ -11,6 +13,7 @@ use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::foliage::{Leaves, Primitive};
 use crate::ink::leaves::LeafTriangles;
+use crate::ink::motion::Track;
 use crate::ink::plan::InkPlan;
 use crate::ink::plant::{CrownLight, Plant};
 use crate::ink::renderer::{Drawing, InkRenderer, InkScene};
@@ -35,7 +38,11 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         return Err(Error::usage("--style: takes one model"));
     };
     check_apart(&args.output, source.files(&args.model.textures))?;
-    let output = PendingFile::create(&args.output)?;
+    let animation = Animation::new(&args.motion, &args.output)?;
+    let output = match animation {
+        Some(_) => None,
+        None => Some(PendingFile::create(&args.output)?),
+    };
     let mut timings = Timings::default();
     let pattern = args.model.foliage.as_deref();
     let textures = &args.model.textures;
@@ -72,7 +79,15 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         margin: settings.margin,
     };
     let points = geometry.positions.iter().copied();
-    let camera = Camera::new(&settings.camera, lens, geometry.origin, points);
+    let path = match &animation {
+        Some(animation) => Some(animation.path(geometry, &settings)?),
+        None => None,
+    };
+    let camera = match &path {
+        // Strokes have the style's size where a way begins, whichever frames are drawn.
+        Some(path) => path.camera(0.0, lens.aspect, geometry.origin, points),
+        None => Camera::new(&settings.camera, lens, geometry.origin, points),
+    };
     let to_sun = settings.sun.direction().as_vec3();
     let view = View::new(camera, geometry.origin, size, to_sun, &geometry.positions);
     let scene = InkScene {
@@ -81,13 +96,28 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         plant: &plant,
     };
     let _working = console::working("drawing");
-    let renderer = timings.measure("upload", || {
+    let mut renderer = timings.measure("upload", || {
         InkRenderer::new(context.gpu()?, &scene, &style, &view, factor)
     })?;
+    if let (Some(animation), Some(path)) = (animation, path) {
+        let mut track = Track::new(args.motion.hatch_mode.into(), centres(&plant, &style));
+        let files = animation.write(&path, |frame| {
+            let points = geometry.positions.iter().copied();
+            let camera = path.camera(f64::from(frame), lens.aspect, geometry.origin, points);
+            let view = View::new(camera, geometry.origin, size, to_sun, &geometry.positions);
+            renderer.follow(track.at(frame, &view, |f| path.pose(f)));
+            let drawing = renderer.draw(&scene, &view)?;
+            timings.add_passes(&drawing.passes);
+            Ok(reduced(&drawing, factor))
+        })?;
+        return Ok(frames_report(context, &files, settings.size, &timings));
+    }
     let drawing = renderer.draw(&scene, &view)?;
     timings.add_passes(&drawing.passes);
     let picture = timings.measure("reduce", || reduced(&drawing, factor));
-    output.commit(&encode(&picture, &args.output)?)?;
+    if let Some(output) = output {
+        output.commit(&encode(&picture, &args.output)?)?;
+    }
     let mut text = format!(
         "{}: {}x{}, {} leaves in {} clusters\n",
         args.output.display(),
@@ -105,6 +135,16 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         "passes": plan.passes(), "image_bytes": plan.bytes(size), "times": timings.json(),
     });
     Ok(Report::new(text, json))
+}
+
+/// What the hatching of each cluster goes about.
+fn centres(plant: &Plant, style: &Style) -> Vec<DVec3> {
+    if style.hatching.per_object {
+        plant.object_centres()
+    } else {
+        let clusters = plant.clusters.clusters.iter();
+        clusters.map(|c| c.centre.as_dvec3()).collect()
+    }
 }
 
 /// Means of `factor` x `factor` pixels, as sRGB.

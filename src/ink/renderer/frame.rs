@@ -10,6 +10,7 @@ use crate::Result;
 use crate::abi::{InkCluster, InkFrame};
 use crate::gpu::{Buffer, BufferInfo, Gpu, PassTime, QueueKind};
 use crate::ink::clusters::Cluster;
+use crate::ink::motion::Course;
 use crate::ink::plan::{Attribute, InkPlan};
 use crate::ink::plant::Plant;
 use crate::ink::style::Style;
@@ -50,9 +51,11 @@ pub struct InkRenderer {
     pub(super) size: [u32; 2],
     /// Pixels of this picture for one of the final one: widths in pixels grow by it.
     pub(super) factor: u32,
-    /// Distance of the eye at which strokes have the style's size, metres: strokes stay on their
-    /// clusters, and grow and shrink with them, when the eye moves.
+    /// Metres of a pixel where strokes have the style's size: strokes stay on their clusters, and
+    /// grow and shrink with them, when the eye moves.
     pub(super) reference: f64,
+    /// Courses of the clusters' hatching; without them it follows from each view alone.
+    courses: Option<Vec<Course>>,
     pub(super) frame: Buffer,
     pub(super) clusters: Buffer,
     pub(super) uploads: Uploads,
@@ -89,7 +92,8 @@ impl InkRenderer {
             style: style.clone(),
             size: view.size,
             factor,
-            reference: view.middle_distance(),
+            reference: view.middle_distance() / view.focal(),
+            courses: None,
             frame: device("ink frame", size_of::<InkFrame>())?,
             clusters: device("ink clusters", clusters)?,
             uploads: Uploads::new(gpu, scene, style)?,
@@ -97,6 +101,12 @@ impl InkRenderer {
             stage1: Stage1Pipelines::new(gpu, &plan.attributes())?,
             stage2: Stage2::new(gpu, style, &plan)?,
         })
+    }
+
+    /// Takes the hatching of the next views from `courses`, one for each cluster; with none, from
+    /// each view alone.
+    pub fn follow(&mut self, courses: Option<&[Course]>) {
+        self.courses = courses.map(<[Course]>::to_vec);
     }
 
     /// Draws the plant.
@@ -127,7 +137,7 @@ impl InkRenderer {
             &self.clusters,
             &self.cluster_records(scene, view),
         )?;
-        self.stage1(&mut work, scene, view)?;
+        self.stage1(&mut work, scene)?;
         self.stage2(&mut work, view)?;
         let picture = work.read_image("ink picture", &self.targets.picture)?;
         let mut attributes = Vec::new();
@@ -171,8 +181,12 @@ impl InkRenderer {
         let clusters = scene.plant.clusters.clusters.iter();
         let record = |(number, cluster): (u32, &Cluster)| {
             let radius = f64::from(cluster.radius.max(least));
-            let tiles = tiles_about(radius, self.reference, view.focal(), scale);
-            let mut hatch = Hatch::stateless(view, cluster.centre.as_dvec3(), DVec2::splat(tiles));
+            let tiles = tiles_about(radius, self.reference, scale);
+            let followed = self.courses.as_ref().and_then(|c| c.get(number as usize));
+            let course = followed.copied();
+            let course =
+                course.unwrap_or_else(|| Course::stateless(view, cluster.centre.as_dvec3()));
+            let mut hatch = Hatch::new(&course, DVec2::splat(tiles));
             if self.style.hatching.scatter {
                 hatch = hatch.scattered(number);
             }

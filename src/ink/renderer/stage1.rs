@@ -4,11 +4,10 @@ use super::frame::{InkRenderer, InkScene};
 use crate::Result;
 use crate::abi::{INK_TILE, InkLeafDraw, InkWoodDraw};
 use crate::gpu::{Binding, DepthTarget, RenderPass, Work};
-use crate::ink::view::View;
 use crate::scene::{AlphaMode, Material, Model};
 
 impl InkRenderer {
-    pub(super) fn stage1(&self, work: &mut Work, scene: &InkScene<'_>, view: &View) -> Result<()> {
+    pub(super) fn stage1(&self, work: &mut Work, scene: &InkScene<'_>) -> Result<()> {
         let u = &self.uploads;
         let leaf_set = [
             Binding::Read(&self.frame),
@@ -44,7 +43,7 @@ impl InkRenderer {
             for (material, instance, range) in &scene.plant.wood {
                 let (image, sampler) = &u.textures[*material];
                 draws.bind(1, &[Binding::Sampled(image, sampler)])?;
-                draws.push(&self.wood_draw(scene.model, view, *material, *instance))?;
+                draws.push(&self.wood_draw(scene.model, *material, *instance))?;
                 draws.draw_indexed(range.clone(), 1)?;
             }
             draws.pipeline(&self.stage1.leaves);
@@ -78,13 +77,7 @@ impl InkRenderer {
         }
     }
 
-    fn wood_draw(
-        &self,
-        model: &Model,
-        view: &View,
-        material: usize,
-        instance: usize,
-    ) -> InkWoodDraw {
+    fn wood_draw(&self, model: &Model, material: usize, instance: usize) -> InkWoodDraw {
         let m = &model.materials[material];
         let [u, v] = texture_rows(m);
         let scale = f64::from(self.style.hatching.scale) * f64::from(self.factor);
@@ -99,7 +92,7 @@ impl InkRenderer {
             texcoord_v: v,
             // Wood is no part of the clusters: a line goes between the two.
             object: (1 << 20) + instance as u32,
-            tiles: (view.focal() / (self.reference * f64::from(INK_TILE) * scale)) as f32,
+            tiles: (1.0 / (self.reference * f64::from(INK_TILE) * scale)) as f32,
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use serde::Deserialize;
 
 use super::spec::Framed;
-use super::{CameraPath, FITTED, Frame, Key, VALUES, opening};
+use super::way::{CameraPath, FITTED, Frame, Key, VALUES, opening};
 use crate::scene::camera::Camera;
 use crate::scene::camera_spec::CameraSpec;
 

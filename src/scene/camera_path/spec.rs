@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::file::PathFile;
-use super::{CameraPath, FITTED, Frame, Key, VALUES, middle, opening, reach};
+use super::way::{CameraPath, FITTED, Frame, Key, VALUES, middle, opening, reach};
 use crate::scene::camera::Lens;
 use crate::scene::camera_spec::CameraSpec;
 use crate::scene::light::spherical;

@@ -1,5 +1,8 @@
-use super::*;
-use crate::scene::CameraSpec;
+use glam::{DVec3, Vec3};
+
+use super::way::middle;
+use super::{CameraPath, PathSpec, file, spec};
+use crate::scene::{CameraSpec, Lens};
 
 const LENS: Lens = Lens {
     fov: 40.0,

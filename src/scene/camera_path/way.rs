@@ -1,31 +1,26 @@
-//! Ways of a camera through time: built in, or keyframes of a file.
-
-mod file;
-mod spec;
+//! Keys, and what lies between them.
 
 use glam::{DVec3, Vec3};
 
-pub use spec::PathSpec;
-
-use super::camera::{Camera, Lens, Pose};
-use super::light::spherical;
+use crate::scene::camera::{Camera, Lens, Pose};
+use crate::scene::light::spherical;
 
 /// Directions in which the distance is sought from which everything fits.
-const FITTED: u32 = 48;
+pub(super) const FITTED: u32 = 48;
 /// Values of a key: place and direction of the eye, opening, roll.
-const VALUES: usize = 8;
+pub(super) const VALUES: usize = 8;
 
 /// A moment of a way. What its values mean is told by the way's [`Frame`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Key {
+pub(super) struct Key {
     /// Number of the frame, need not be whole.
-    frame: f64,
-    values: [f64; VALUES],
+    pub(super) frame: f64,
+    pub(super) values: [f64; VALUES],
 }
 
 /// What the values of keys mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Frame {
+pub(super) enum Frame {
     /// Azimuth, elevation (degrees), logarithm of the distance in `reach`, 0, 0, 0, logarithm of
     /// the opening's tangent, roll (degrees): about a point that is looked at.
     Around {
@@ -41,9 +36,9 @@ enum Frame {
 /// A way of the camera: where it is at every frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraPath {
-    frame: Frame,
-    keys: Vec<Key>,
-    smooth: bool,
+    pub(super) frame: Frame,
+    pub(super) keys: Vec<Key>,
+    pub(super) smooth: bool,
 }
 
 impl CameraPath {
@@ -87,7 +82,7 @@ impl CameraPath {
         Camera::posed(&self.pose(frame), aspect, origin, points)
     }
 
-    fn values(&self, frame: f64) -> [f64; VALUES] {
+    pub(super) fn values(&self, frame: f64) -> [f64; VALUES] {
         let keys = &self.keys;
         let after = keys.partition_point(|k| k.frame <= frame);
         if after == 0 || after == keys.len() {
@@ -133,12 +128,12 @@ fn hermite(t: f64, (p, u): (f64, f64), (q, v): (f64, f64)) -> f64 {
 }
 
 /// Logarithm of the tangent of half an opening in degrees.
-fn opening(fov: f64) -> f64 {
+pub(super) fn opening(fov: f64) -> f64 {
     (0.5 * fov.to_radians()).tan().ln()
 }
 
 /// Middle of the box around `points`, world metres.
-fn middle(origin: DVec3, points: impl Iterator<Item = Vec3>) -> DVec3 {
+pub(super) fn middle(origin: DVec3, points: impl Iterator<Item = Vec3>) -> DVec3 {
     let (low, high) = points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| {
         (l.min(p.as_dvec3()), h.max(p.as_dvec3()))
     });
@@ -151,7 +146,7 @@ fn middle(origin: DVec3, points: impl Iterator<Item = Vec3>) -> DVec3 {
 
 /// Least distance from `target` at which all `points` are in the picture from every one of
 /// `directions` (unit, from the target to the eye).
-fn reach(
+pub(super) fn reach(
     target: DVec3,
     lens: Lens,
     origin: DVec3,
@@ -180,6 +175,3 @@ fn reach(
     }
     if least > 0.0 { least } else { 1.0 }
 }
-
-#[cfg(test)]
-mod tests;
