@@ -6,6 +6,3 @@ mod way;
 
 pub use spec::PathSpec;
 pub use way::CameraPath;
-
-#[cfg(test)]
-mod tests;
