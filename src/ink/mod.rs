@@ -1,6 +1,7 @@
 //! Pen and ink: foliage as drawn clusters of leaves (Coconu, Deussen, Hege 2006; Deussen,
 //! Strothotte 2000).
 
+pub mod branches;
 pub mod clusters;
 mod images;
 pub mod leaves;

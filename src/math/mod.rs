@@ -2,6 +2,7 @@
 
 pub mod bvh;
 pub mod colour;
+pub mod eigen;
 pub mod hashing;
 pub mod kd_tree;
 pub mod marching_cubes_table;
