@@ -9,13 +9,13 @@ layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { InkFrame f
 layout(set = 0, binding = 1, scalar) restrict readonly buffer Positions { vec3 positions[]; };
 layout(set = 0, binding = 2, scalar) restrict readonly buffer Normals { vec3 normals[]; };
 layout(set = 0, binding = 3, scalar) restrict readonly buffer Texcoords { vec2 texcoords[]; };
-layout(set = 0, binding = 4, scalar) restrict readonly buffer Hatches { vec2 hatches[]; };
+layout(set = 0, binding = 4, scalar) restrict readonly buffer Hatches { vec4 hatches[]; };
 layout(push_constant, scalar) uniform Push { InkWoodDraw push; };
 
 layout(location = 0) out vec3 out_position;
 layout(location = 1) out vec3 out_normal;
 layout(location = 2) out vec2 out_texcoord;
-layout(location = 3) out vec2 out_hatch;
+layout(location = 3) out vec4 out_hatch;
 
 void main() {
     uint vertex = uint(gl_VertexIndex);

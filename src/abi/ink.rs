@@ -162,6 +162,8 @@ abi! {
             object: u32,
             /// Tiles of hatching per metre.
             tiles: f32,
+            /// Whether strokes run along branches instead of round them.
+            along: u32,
         }
 
         /// Push constants of the contour.

@@ -1,5 +1,6 @@
 //! Images and coordinates that are made once for a plant and a style.
 
+use super::branches::Branches;
 use super::plant::Plant;
 use super::shape::SHAPE_SIZE;
 use super::strokes::{self, Tile, TileSettings};
@@ -8,9 +9,17 @@ use crate::abi::{INK_BAND_LENGTH, INK_BAND_WIDTH, INK_LEVELS, INK_TILE};
 use crate::gpu::{AddressMode, Format, Gpu, Image, ImageInfo, QueueKind, Sampler, SamplerInfo};
 use crate::scene::{Geometry, Model, Wrap, textures};
 
-/// Coordinates in which wood is hatched, metres: height and way round. Strokes run round.
-pub(super) fn wood_hatching(g: &Geometry) -> Vec<[f32; 2]> {
-    g.positions.iter().map(|p| [p.x + p.z, p.y]).collect()
+/// Coordinates in which wood is hatched, for each vertex; nothing where no style asks.
+pub(super) fn wood_hatching(g: &Geometry, plant: &Plant, wanted: bool) -> Vec<[f32; 4]> {
+    if !wanted {
+        return vec![[0.0; 4]; g.positions.len()];
+    }
+    let ranges = plant
+        .wood
+        .iter()
+        .map(|w| w.2.start as usize..w.2.end as usize);
+    let indices: Vec<u32> = ranges.flat_map(|r| &g.indices[r]).copied().collect();
+    Branches::new(&g.positions, &indices).hatch
 }
 
 pub(super) fn filled_image(

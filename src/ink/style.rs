@@ -146,6 +146,17 @@ impl Default for Silhouette {
     }
 }
 
+/// How strokes run on branches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum WoodStrokes {
+    /// Round them.
+    #[default]
+    Round,
+    /// Along them.
+    Along,
+}
+
 /// Strokes that give tone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -165,6 +176,8 @@ pub struct Hatching {
     /// Strokes of all clusters of an object follow the camera's way about the object's middle (the
     /// paper, read literally) instead of about their own; they slip beside it.
     pub per_object: bool,
+    /// How strokes run on branches.
+    pub wood: WoodStrokes,
 }
 
 impl Default for Hatching {
@@ -177,6 +190,7 @@ impl Default for Hatching {
             gamma: 1.0,
             scatter: true,
             per_object: false,
+            wood: WoodStrokes::Round,
         }
     }
 }

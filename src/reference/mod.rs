@@ -7,6 +7,7 @@ pub mod density;
 pub mod encode;
 pub mod generators;
 pub mod ink;
+pub mod ink_wood;
 pub mod lamps;
 pub mod leaf_albedo;
 pub mod leaf_glossy;

@@ -25,6 +25,7 @@ mod gpu;
 mod grow;
 mod ink;
 mod ink_motion;
+mod ink_wood;
 mod leaf_cli;
 mod leaf_files;
 mod leaf_fit;

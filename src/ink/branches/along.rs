@@ -2,7 +2,7 @@
 //! neighbour, then the way along is fitted to the axes (least squares over all edges).
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 
 use glam::DVec3;
 
@@ -82,17 +82,15 @@ pub(super) fn ways(surface: &Surface, axes: &[Axis]) -> Ways {
         if out.direction[s].y < 0.0 {
             out.direction[s] = -out.direction[s];
         }
-        out.zero[s] = out.direction[s].any_orthonormal_vector();
-        // Tubes of one tree do not all start with the same stroke.
-        out.along[s] = 0.618_034 * (f64::from(start) % 97.0);
         out.reach(&surface.graph, start, &seen, &mut heap);
         while let Some(Step { from, to, .. }) = heap.pop() {
             if !seen[to as usize] {
                 seen[to as usize] = true;
-                out.go(surface, from as usize, to as usize);
+                out.sign(from as usize, to as usize);
                 out.reach(&surface.graph, to, &seen, &mut heap);
             }
         }
+        out.spread(surface, start);
     }
     out.settle(&surface.graph);
     out.fit(surface);
@@ -112,13 +110,32 @@ impl Ways {
         }
     }
 
-    fn go(&mut self, surface: &Surface, from: usize, to: usize) {
+    fn sign(&mut self, from: usize, to: usize) {
         if self.direction[to].dot(self.direction[from]) < 0.0 {
             self.direction[to] = -self.direction[to];
         }
-        self.zero[to] = across(self.zero[from], self.direction[to])
-            .unwrap_or_else(|| self.direction[to].any_orthonormal_vector());
-        self.along[to] = self.along[from] + self.step(surface, from, to);
+    }
+
+    /// Frames and first lengths of a piece, by the fewest edges: a frame that went round a bent
+    /// branch many times would come back turned.
+    fn spread(&mut self, surface: &Surface, start: u32) {
+        let s = start as usize;
+        self.zero[s] = self.direction[s].any_orthonormal_vector();
+        // Tubes of one tree do not all start with the same stroke.
+        self.along[s] = 0.618_034 * (f64::from(start) % 97.0);
+        let mut queue = VecDeque::from([s]);
+        while let Some(from) = queue.pop_front() {
+            for &to in surface.graph.of(from) {
+                let to = to as usize;
+                if self.zero[to] != DVec3::ZERO {
+                    continue;
+                }
+                self.zero[to] = across(self.zero[from], self.direction[to])
+                    .unwrap_or_else(|| self.direction[to].any_orthonormal_vector());
+                self.along[to] = self.along[from] + self.step(surface, from, to);
+                queue.push_back(to);
+            }
+        }
     }
 
     /// Way along from one place to its neighbour.

@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::surface::{Graph, Moments, Surface};
+use super::surface::{Graph, Moments, Surface, outer};
 use crate::math::eigen::symmetric;
 
 /// Nodes that become one at the next coarser level at most.
@@ -22,12 +22,19 @@ const ROUNDS: usize = 4;
 pub(super) struct Axis {
     /// Unit direction, its sign free.
     pub(super) direction: DVec3,
-    /// A point of the axis.
+    /// The middle of the piece of surface that told it.
     pub(super) middle: DVec3,
     /// Radius, metres.
     pub(super) radius: f64,
     /// How well the surface tells the axis: 0 (flat, or round like a ball) to 1/2 (a tube).
     sure: f64,
+}
+
+impl Axis {
+    /// 1 where the surface is flat, 0 where it is a tube.
+    pub(super) fn flatness(&self) -> f64 {
+        (1.0 - self.sure / FLAT).clamp(0.0, 1.0)
+    }
 }
 
 /// The branch at every place of the surface.
@@ -40,7 +47,7 @@ pub(super) fn axes(surface: &Surface) -> Vec<Axis> {
         if count == moments.len() {
             break;
         }
-        let mut coarse = vec![Moments::default(); count];
+        let mut coarse = vec![Moments::NONE; count];
         for (m, &p) in moments.iter().zip(&parent) {
             coarse[p as usize].add(m);
         }
@@ -55,7 +62,7 @@ pub(super) fn axes(surface: &Surface) -> Vec<Axis> {
         let choose = |i: usize| {
             let own = axis(&around(moments, graph, i));
             match parents.get(level).map(|p| found[p[i] as usize]) {
-                Some(larger) if own.sure < AS_WELL * larger.sure || larger.sure.is_nan() => larger,
+                Some(larger) if own.sure < AS_WELL * larger.sure => larger,
                 _ => own,
             }
         };
@@ -112,7 +119,8 @@ fn axis(m: &Moments) -> Axis {
         // Flat: the longest direction in its plane.
         let longest = symmetric(spread)[0];
         let direction = longest.1;
-        let width = (trace(spread) - longest.0).max(0.0).sqrt();
+        // A rectangle's half width is sqrt(3) of its spread.
+        let width = (3.0 * (trace(spread) - longest.0)).max(0.0).sqrt();
         return Axis {
             direction,
             middle: place,
@@ -128,14 +136,10 @@ fn axis(m: &Moments) -> Axis {
     let radius = (trace(across * both) / trace(across * own).max(1e-12)).abs();
     Axis {
         direction,
-        middle: place - radius * (across * normal),
+        middle: place,
         radius,
         sure,
     }
-}
-
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
-    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 fn trace(m: DMat3) -> f64 {

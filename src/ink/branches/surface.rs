@@ -13,7 +13,7 @@ const WELD: f32 = 2e-6;
 pub(super) const NONE: u32 = u32::MAX;
 
 /// What is known of a piece of the surface; pieces add up.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Moments {
     /// Area, m^2.
     pub(super) area: f64,
@@ -29,11 +29,22 @@ pub(super) struct Moments {
     pub(super) places: DMat3,
 }
 
-fn outer(a: DVec3, b: DVec3) -> DMat3 {
+/// `a` times the transpose of `b`.
+pub(super) fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 impl Moments {
+    /// Of no surface.
+    pub(super) const NONE: Self = Self {
+        area: 0.0,
+        place: DVec3::ZERO,
+        normal: DVec3::ZERO,
+        normals: DMat3::ZERO,
+        crossed: DMat3::ZERO,
+        places: DMat3::ZERO,
+    };
+
     fn new(place: DVec3, normal: DVec3, area: f64) -> Self {
         Self {
             area,
@@ -141,7 +152,7 @@ impl Surface {
 
     /// A third of each triangle goes to each of its corners.
     fn gather(&mut self, triangles: &[[u32; 3]]) {
-        self.moments = vec![Moments::default(); self.places.len()];
+        self.moments = vec![Moments::NONE; self.places.len()];
         for corners in triangles {
             let p = corners.map(|i| self.places[i as usize]);
             let twice = (p[1] - p[0]).cross(p[2] - p[0]);

@@ -4,6 +4,7 @@ use super::frame::{InkRenderer, InkScene};
 use crate::Result;
 use crate::abi::{INK_TILE, InkLeafDraw, InkWoodDraw};
 use crate::gpu::{Binding, DepthTarget, RenderPass, Work};
+use crate::ink::style::WoodStrokes;
 use crate::scene::{AlphaMode, Material, Model};
 
 impl InkRenderer {
@@ -93,6 +94,7 @@ impl InkRenderer {
             // Wood is no part of the clusters: a line goes between the two.
             object: (1 << 20) + instance as u32,
             tiles: (1.0 / (self.reference * f64::from(INK_TILE) * scale)) as f32,
+            along: u32::from(self.style.hatching.wood == WoodStrokes::Along),
         }
     }
 }

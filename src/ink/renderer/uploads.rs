@@ -22,12 +22,13 @@ impl Uploads {
     /// Uploads a scene for pictures in `style`.
     pub(super) fn new(gpu: &Gpu, scene: &InkScene<'_>, style: &Style) -> Result<Self> {
         let g = scene.geometry;
+        let hatching = style.hatching.strength > 0.0;
         Ok(Self {
             leaves: gpu.upload("ink leaves", &scene.plant.records(style.seed))?,
             positions: gpu.upload("positions", &g.positions)?,
             normals: gpu.upload("normals", &g.normals)?,
             texcoords: gpu.upload("texcoords", &g.texcoords)?,
-            hatches: gpu.upload("wood hatching", &wood_hatching(g))?,
+            hatches: gpu.upload("wood hatching", &wood_hatching(g, scene.plant, hatching))?,
             indices: gpu.upload("indices", &g.indices)?,
             shapes: shapes_image(gpu, scene.plant)?,
             textures: material_textures(gpu, scene.model)?,
