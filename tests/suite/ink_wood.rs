@@ -65,7 +65,7 @@ fn drawn(axis: Vec3, along: &str) -> (Vec<(DVec2, DVec3)>, f64) {
     let style = Style::parse(&format!(
         "format_version = 1\ndescription = \"trunk\"\n\
          [contour]\nstrength = 1.0\n\
-         [hatching]\nstrength = 1.0\nscale = 0.25\nwood = \"{along}\"\n"
+         [hatching]\nstrength = 1.0\nscale = 0.05\nwood = \"{along}\"\n"
     ));
     let style = style.unwrap();
     let plant = Plant::new(&model, &geometry, list, &[false, true], None, &style).unwrap();
@@ -110,7 +110,7 @@ fn drawn(axis: Vec3, along: &str) -> (Vec<(DVec2, DVec3)>, f64) {
         out.push((at, place));
     }
     // As the renderer: the style's pixels in the distance of the middle.
-    let tiles = view.focal() / (view.middle_distance() * 512.0 * 0.25);
+    let tiles = view.focal() / (view.middle_distance() * 512.0 * 0.05);
     (out, tiles)
 }
 
@@ -144,10 +144,10 @@ fn strokes_round_a_trunk_lie_across_its_axis() {
     assert!(found > 0.98, "along the axis: {found}");
     // As it was before: by the height in the world.
     let height = by(DVec3::Y);
-    assert!(height < 0.6, "by height: {height}");
+    assert!(height < 0.8, "by height: {height}");
     // Turned by eight degrees strokes would no longer lie across.
     let turned = glam::DQuat::from_axis_angle(DVec3::Z, 8.0_f64.to_radians()) * axis;
-    assert!(by(turned) < found - 0.02, "turned: {}", by(turned));
+    assert!(by(turned) < found - 0.01, "turned: {}", by(turned));
 }
 
 #[test]
