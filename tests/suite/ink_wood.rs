@@ -76,6 +76,7 @@ fn drawn(axis: Vec3, along: &str) -> (Vec<(DVec2, DVec3)>, f64) {
         fov: 50.0,
         aspect: 4.0 / 3.0,
         near: 0.01,
+        roll: 0.0,
     };
     let view = View::new(camera, geometry.origin, size, Vec3::Y, &geometry.positions);
     let scene = InkScene {
