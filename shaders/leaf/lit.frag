@@ -25,6 +25,7 @@ layout(location = 0) in vec3 in_front;
 layout(location = 1) in vec3 in_back;
 layout(location = 2) in vec4 in_normal;
 layout(location = 3) in vec2 in_texcoord;
+layout(location = 4) in vec3 in_from_eye;
 
 layout(location = 0) out vec4 out_light;
 // Normal of the front; visibility of the sun plus 1, negative on the back.
@@ -32,7 +33,17 @@ layout(location = 1) out vec4 out_surface;
 layout(location = 2) out uvec4 out_leaf;
 layout(location = 3) out vec4 out_shine;
 
+// Normal of the triangle, towards the eye.
+vec3 face_normal() {
+    vec3 face = cross(dFdx(in_from_eye), dFdy(in_from_eye));
+    float size = dot(face, face);
+    face = size > 0.0 ? face * inversesqrt(size) : -normalize(in_from_eye);
+    return dot(face, in_from_eye) > 0.0 ? -face : face;
+}
+
 void main() {
+    // Derivatives need the neighbours that are cut away.
+    vec3 face = face_normal();
     vec4 base = texture(base_color_map, in_texcoord);
     if (base.a * push.alpha < push.cutoff) {
         discard;
@@ -43,6 +54,7 @@ void main() {
     leaf.rho_t = means.rho_t;
     leaf.shine = gloss[push.material];
     leaf.material = push.material;
+    leaf.face = face;
     vec3 share = base.rgb * push.tint;
     if (MAPPED != 0u) {
         vec3 mean = leaf.rho_d + leaf.rho_t;

@@ -17,6 +17,7 @@ layout(location = 0) out vec3 out_front;
 layout(location = 1) out vec3 out_back;
 layout(location = 2) out vec4 out_normal;
 layout(location = 3) out vec2 out_texcoord;
+layout(location = 4) out vec3 out_from_eye;
 
 void main() {
     uint vertex = uint(gl_VertexIndex);
@@ -25,5 +26,6 @@ void main() {
     out_normal = vec4(normals[vertex], visibility[vertex]);
     vec3 uv = vec3(texcoords[vertex], 1.0);
     out_texcoord = vec2(dot(push.texcoord_u, uv), dot(push.texcoord_v, uv));
+    out_from_eye = positions[vertex] - frame.eye;
     gl_Position = frame.relative_to_clip * vec4(positions[vertex], 1.0);
 }

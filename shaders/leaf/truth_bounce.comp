@@ -7,6 +7,7 @@
 #include "random.glsl"
 #include "leaf_brdf.glsl"
 #include "lamp.glsl"
+#include "leaf_sky.glsl"
 
 // What becomes of the paths of light: those that meet nothing see the sky; the others ask for
 // the sun or a lamp (a second ray each) and go on.
@@ -35,18 +36,13 @@ layout(push_constant, scalar) uniform Push { TruthBatch push; };
 
 #include "leaf_directional.glsl"
 
-vec3 sky_radiance(vec3 d) {
-    float turn = atan(d.z, d.x) / (2.0 * LEAF_PI);
-    return textureLod(sky, vec2(turn - floor(turn), acos(clamp(d.y, -1.0, 1.0)) / LEAF_PI), 0.0).xyz;
-}
-
 // Normal of the front at a point of a triangle.
 vec3 shading_normal(uint triangle, vec3 at, vec3 face) {
     uvec3 corner = uvec3(indices[3u * triangle], indices[3u * triangle + 1u], indices[3u * triangle + 2u]);
     vec3 a = positions[corner.x] - at;
     vec3 b = positions[corner.y] - at;
     vec3 c = positions[corner.z] - at;
-    vec3 weights = vec3(dot(cross(b, c), face), dot(cross(c, a), face), dot(cross(a, b), face));
+    vec3 weights = corner_weights(a, b, c, face);
     vec3 n = weights.x * normals[corner.x] + weights.y * normals[corner.y] + weights.z * normals[corner.z];
     float size = dot(n, n);
     n = size > 0.0 ? n * inversesqrt(size) : face;
@@ -113,7 +109,7 @@ void main() {
     uvec2 hit = hits[path];
     if (hit.y == RAY_NOTHING || push.last != 0u) {
         // The camera does not see the sky itself: it draws a background of its own.
-        paths[path].sky += push.bounce > 0u && hit.y == RAY_NOTHING ? state.weight * sky_radiance(direction) : vec3(0.0);
+        paths[path].sky += push.bounce > 0u && hit.y == RAY_NOTHING ? state.weight * sky_radiance(sky, direction) : vec3(0.0);
         paths[path].alive = PATH_ENDED;
         paths[path].pending = vec3(0.0);
         imageStore(rays, texel, vec4(origin, -1.0));

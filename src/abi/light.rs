@@ -51,6 +51,11 @@ abi! {
         LIT_SHADOW_TAPS: u32 = 16;
         /// Steepest slope of a leaf against the sun that its shadow map is read at.
         LIT_SHADOW_STEEPEST: f32 = 8.0;
+        /// Rays of gloss start so far before the surface of their pixel, in units of the diagonal.
+        GLOSS_RAY_OFFSET: f32 = 1e-5;
+        /// And no nearer than this share of the pixel's extent: where depth is steep, the place of the
+        /// surface hangs on how devices round corners to parts of a pixel.
+        GLOSS_RAY_PIXELS: f32 = 0.1;
     }
     structs {
         /// Push constants of `leaf/any_hit.comp` and `leaf/nearest_hit.comp`.
@@ -234,6 +239,24 @@ abi! {
             sun: [f32; 3],
             /// Its irradiance on a surface that faces it.
             irradiance: [f32; 3],
+        }
+
+        /// Push constants of `leaf/gloss_rays.comp` and `leaf/gloss_gather.comp`.
+        GlossBatch {
+            /// First pixel, row by row.
+            first_pixel: u32,
+            /// Pixels.
+            pixels: u32,
+            /// Number of the first sample.
+            first_sample: u32,
+            /// Samples of this batch: each a ray of the lobe, and one of what counts as diffuse.
+            samples: u32,
+            /// Samples of each pixel in all.
+            all_samples: u32,
+            /// Seed of the random numbers.
+            seed: u32,
+            /// Metres to units of the diagonal.
+            scale: f32,
         }
 
         /// A map of the sun's depth, seen along its direction.

@@ -140,6 +140,13 @@ impl<'a> Relight<'a> {
         }
     }
 
+    /// Whether the vectors hold gloss as diffuse reflection, as they do where no matrices are
+    /// meant to bring it.
+    #[must_use]
+    pub fn gloss_is_diffuse(&self) -> bool {
+        self.plants.iter().all(|p| p.light.matrices.is_none())
+    }
+
     /// Splits of the triangles that the stored maps are for.
     #[must_use]
     pub fn splits(&self) -> Option<u32> {

@@ -61,8 +61,9 @@ pub fn add(
         });
 }
 
-/// Direction to the lamp's middle and irradiance across it.
-fn seen(lamp: &Lamp, place: DVec3) -> (DVec3, DVec3) {
+/// Direction to the lamp's middle from `place` and irradiance across it.
+#[must_use]
+pub fn seen(lamp: &Lamp, place: DVec3) -> (DVec3, DVec3) {
     let to = lamp.position - place;
     let squared = to.length_squared().max(1e-30);
     let towards = to / squared.sqrt();

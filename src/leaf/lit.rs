@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::appearance::LeafMaterial;
 use super::film::{Film, LitScene, film_axes, gloss, turns};
+use super::gloss_rays::{GlossLight, GlossPixels};
 use super::lit_lamps::{LampLight, LampRenderer, LampsOnDevice};
 use super::lit_materials::LitMaterial;
 use super::radiance_map::RadianceMap;
@@ -77,6 +78,8 @@ pub struct VertexLight<'a> {
     pub lamps: Option<LampLight<'a>>,
     /// The sun's shadows by a shadow map too, for pictures whose vertices see nothing of it.
     pub shadow: Option<ShadowSettings>,
+    /// Surroundings in gloss, where `radiance` holds them as diffuse.
+    pub gloss: Option<GlossLight<'a>>,
 }
 
 impl std::fmt::Debug for LitRenderer {
@@ -206,9 +209,15 @@ impl LitRenderer {
         if let Some((renderer, device)) = &lamps {
             self.add_lamps(&mut work, renderer, device)?;
         }
+        let mut times = Vec::new();
+        if let Some(gloss) = &light.gloss {
+            times.extend_from_slice(work.submit()?.wait()?.passes());
+            times.extend(gloss.rays.add(&self.gloss_pixels(), gloss)?);
+            work = self.gpu.work(QueueKind::Graphics, "lit picture")?;
+        }
         let picture = work.read_image("lit picture", &self.picture)?;
         let mut done = work.submit()?.wait()?;
-        let times = done.passes().to_vec();
+        times.extend_from_slice(done.passes());
         let bytes = done.take(picture);
         let map = RadianceMap {
             width: self.size[0] as usize,
@@ -216,6 +225,18 @@ impl LitRenderer {
             pixels: bytemuck::pod_collect_to_vec(&bytes),
         };
         Ok((map, times))
+    }
+
+    fn gloss_pixels(&self) -> GlossPixels<'_> {
+        GlossPixels {
+            frame: &self.frame,
+            surface: &self.targets[1],
+            leaf: &self.targets[2],
+            shine: &self.targets[3],
+            depth: &self.depth,
+            plain: &self.plain,
+            picture: &self.picture,
+        }
     }
 
     fn frame(&self, scene: &LitScene<'_>, film: &Film) -> LitFrame {

@@ -93,4 +93,17 @@ impl Receivers {
             turns: Vec::new(),
         }
     }
+
+    /// Of every material, what transfer takes of its gloss for diffuse reflection.
+    #[must_use]
+    pub fn gloss_as_diffuse(&self) -> Vec<LeafSides> {
+        let more = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|c| (a[c] - b[c]).max(0.0));
+        let both = self.materials.iter().zip(&self.transfer);
+        both.map(|(plain, with)| LeafSides {
+            rho_d_front: more(with.rho_d_front, plain.rho_d_front),
+            rho_d_back: more(with.rho_d_back, plain.rho_d_back),
+            rho_t: [0.0; 3],
+        })
+        .collect()
+    }
 }

@@ -86,6 +86,13 @@ impl RayBatch {
         self.capacity
     }
 
+    /// Bytes on the device.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        let buffers = [&self.hits, &self.states, &self.unfinished];
+        self.image.info().bytes() + buffers.iter().map(|b| b.bytes()).sum::<u64>()
+    }
+
     /// Copies rays of the host.
     ///
     /// # Errors

@@ -22,6 +22,8 @@ pub struct Pixel {
     pub leaf: LeafSides,
     /// Specular intensity and roughness, below 0 where the lobe keeps the energy.
     pub shine: [f32; 4],
+    /// Unit normal of the triangle, towards the eye.
+    pub face: DVec3,
 }
 
 /// `leaf` for light at `cosine` to the normal of its front, by the factors of its material; none: as

@@ -6,6 +6,7 @@ pub mod bins;
 pub mod density;
 pub mod encode;
 pub mod generators;
+pub mod gloss_rays;
 pub mod ink;
 pub mod ink_wood;
 pub mod lamps;

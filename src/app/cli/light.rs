@@ -388,6 +388,11 @@ pub struct LitArgs {
     /// How transfer matrices reflect the surroundings in gloss
     #[arg(long, default_value = "lobe")]
     pub sky_gloss: SkyGloss,
+    /// Rays of each drawn pixel of glossy leaves by which they mirror the sky and other leaves, 0 (such
+    /// light counts as diffuse) to 4096; as many more find what was counted as diffuse. For
+    /// leaf, prt and shadow-prt where matrices do not bring the gloss
+    #[arg(long, value_name = "RAYS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub gloss_rays: u32,
     /// Bands of the transfer that are used at most, 1 to 6
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=6))]
     pub order: u32,

@@ -202,6 +202,7 @@ impl Bench<'_> {
                 visibility: &visibility,
                 lamps: None,
                 shadow: None,
+                gloss: None,
             };
             let (_, times) = renderer.draw(&scene, &film, &light)?;
             if counts {

@@ -1,5 +1,6 @@
 //! `umbrage render --lighting`: leaves under sun and sky.
 
+mod gloss;
 mod matrix;
 
 use serde_json::{Value, json};
@@ -19,6 +20,7 @@ use crate::app::{Context, Report, console};
 use crate::gpu::Gpu;
 use crate::leaf::directional;
 use crate::leaf::film::{Film, LitScene};
+use crate::leaf::gloss_rays::{GlossLight, GlossRays};
 use crate::leaf::lamp_maps::{LampMaps, LampSettings};
 use crate::leaf::lit::{LitRenderer, VertexLight};
 use crate::leaf::lit_lamps::LampLight;
@@ -89,6 +91,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         },
         relight,
         renderer: None,
+        gloss: None,
         timings,
     };
     let mut drawn = Vec::new();
@@ -123,6 +126,8 @@ struct Job<'a> {
     shadow: ShadowSettings,
     relight: Option<Relight<'a>>,
     renderer: Option<LitRenderer>,
+    /// Made when the first picture needs it.
+    gloss: Option<GlossRays>,
     timings: Timings,
 }
 
@@ -178,8 +183,9 @@ impl Job<'_> {
             let radiance = self.refined.spread(&coarse, 2);
             let visibility = self.visibility(lighting)?;
             let lamps = self.lamp_visibility(lighting)?;
+            let leaving = self.leaving(lighting, coarse, (&visibility, &lamps))?;
             let shadow = shadow_map(lighting).then_some(self.shadow);
-            self.two_passes((&radiance, &visibility), &lamps, shadow)?
+            self.two_passes((&radiance, &visibility, &leaving), &lamps, shadow)?
         };
         Ok(Drawn {
             name: name.to_owned(),
@@ -199,12 +205,13 @@ impl Job<'_> {
             "transfer_if_not_shared": transfer[1],
             "maps_if_not_shared": maps[1],
             "frame": self.renderer.as_ref().map_or(0, LitRenderer::bytes),
+            "gloss_rays": self.gloss.as_ref().map_or(0, GlossRays::bytes),
         })
     }
 
     fn two_passes(
         &mut self,
-        (radiance, visibility): (&[[f32; 3]], &[f32]),
+        (radiance, visibility, leaving): (&[[f32; 3]], &[f32], &[[f32; 3]]),
         lamps: &[Vec<f32>],
         shadow: Option<ShadowSettings>,
     ) -> Result<RadianceMap> {
@@ -227,6 +234,16 @@ impl Job<'_> {
                 points: self.args.lamp_points,
             }),
             shadow,
+            gloss: self
+                .gloss
+                .as_ref()
+                .filter(|_| !leaving.is_empty())
+                .map(|rays| GlossLight {
+                    rays,
+                    leaving,
+                    samples: self.args.gloss_rays,
+                    seed: 1,
+                }),
         };
         let (mut map, times) = renderer.draw(&self.scene(), &self.film, &light)?;
         self.timings.add_passes(&times);

@@ -7,7 +7,7 @@ use crate::Result;
 use crate::abi::{LEAF_TURN_NODES, LeafSides, LeafTurn, LitFrame};
 use crate::gpu::shaders::leaf as shaders;
 use crate::gpu::{Binding, Format, Gpu, Image, ImageInfo, QueueKind, Sampler, SamplerInfo};
-use crate::math::packing::{f16_to_f32, f32_to_f16};
+use crate::math::packing::{f16_to_f32, f32_to_f16, pack_normal8, unpack_normal8};
 use crate::math::sampling::{fibonacci_sphere, uniform};
 use crate::reference::lit::{Pixel, lit_sun};
 
@@ -86,7 +86,7 @@ impl Surfaces {
                 half(0.5 * u(4), 0.5 * u(5)),
                 half(0.5 * u(6), m),
                 half(0.5 * u(7), 0.5 * u(8)),
-                half(0.5 * u(9), 0.0),
+                half(0.5 * u(9), 0.0) | pack_normal8(side * n) << 16,
             ]);
             let gloss = if i % 2 == 0 { 0.0 } else { 0.06 };
             out.shine
@@ -113,6 +113,7 @@ impl Surfaces {
                 rho_t: [half(c, false), half(c, true), half(d, false)],
             },
             shine: [r, g, blue, half(b, true)],
+            face: unpack_normal8(d >> 16).as_dvec3(),
         };
         (pixel, if self.directional { turns } else { &[] })
     }

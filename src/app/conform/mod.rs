@@ -8,6 +8,7 @@ mod foliage_bins;
 mod foliage_ends;
 mod foliage_subset;
 mod foliage_surface;
+mod gloss_rays;
 mod gpu;
 mod ink;
 mod lamps;
@@ -101,6 +102,7 @@ pub fn cases() -> Vec<Case> {
     cases.extend(truth::cases());
     cases.extend(lit_shadow::cases());
     cases.extend(lamps::cases());
+    cases.extend(gloss_rays::cases());
     cases.extend(matrix::cases());
     cases.extend(ink::cases());
     cases

@@ -37,7 +37,7 @@ pub(super) fn cases() -> Vec<Case> {
 }
 
 /// Bent leaves over each other, some of whose shading normals lean.
-fn leaves() -> Geometry {
+pub(super) fn leaves() -> Geometry {
     let mut primitive = Primitive::default();
     for i in 0..5 {
         let first = primitive.positions.len() as u32;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 use super::Job;
-use crate::abi::{LeafSides, Receiver};
+use crate::abi::Receiver;
 use crate::app::cli::light::{Lighting, RenderTransfer, SkyGloss};
 use crate::app::relight::Relight;
 use crate::leaf::gloss_view::GlossPass;
@@ -118,17 +118,7 @@ impl Job<'_> {
 
     /// The same as if gloss were diffuse reflection.
     fn diffuse_gloss(&self, incident: &Incident) -> Vec<[f32; 3]> {
-        let sides = self.lit.receivers.materials.iter();
-        let with = self.lit.receivers.transfer.iter();
-        let gloss = |(plain, with): (&LeafSides, &LeafSides)| {
-            let more = |a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|c| (a[c] - b[c]).max(0.0));
-            LeafSides {
-                rho_d_front: more(with.rho_d_front, plain.rho_d_front),
-                rho_d_back: more(with.rho_d_back, plain.rho_d_back),
-                rho_t: [0.0; 3],
-            }
-        };
-        let materials: Vec<LeafSides> = sides.zip(with).map(gloss).collect();
+        let materials = self.lit.receivers.gloss_as_diffuse();
         diffuse(
             &incident.light,
             incident.order,
