@@ -154,10 +154,10 @@ void main() {
         vec3 middle = to_frame(outward, vec3(r * cos(2.0 * LEAF_PI * u.y), r * sin(2.0 * LEAF_PI * u.y), z));
         next = reflect(direction, middle);
     }
-    // Density of the mixture.
+    // Density of the mixture. The glossy lobe also finds directions on the other side, and they count.
     float along = dot(outward, next);
     float density = (along > 0.0 ? lobes.x : lobes.y) * abs(along) / LEAF_PI;
-    if (lobes.z > 0.0 && along > 0.0) {
+    if (lobes.z > 0.0) {
         vec3 middle = normalize(next + to_eye);
         float cos_h = abs(dot(outward, middle));
         density += lobes.z * slope_distribution(cos_h, shine.w) * cos_h / (4.0 * max(abs(dot(middle, next)), 1e-6));

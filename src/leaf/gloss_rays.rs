@@ -180,18 +180,6 @@ impl GlossRays {
         let mut tracer = self.tracer.borrow_mut();
         let query = Query::Nearest;
         tracer.trace(Some(work), &self.scene, &self.rays, count, query)?;
-        if std::env::var("DBG").is_ok() {
-            let hits: Vec<[u32; 2]> = self.gpu.read(&self.rays.hits)?;
-            let of = &hits[..count as usize];
-            let n = of.iter().filter(|h| h[1] != u32::MAX).count();
-            let mut work = self.gpu.work(QueueKind::Compute, "dbg")?;
-            let img = work.read_image("rays", &self.rays.image)?;
-            let bytes = work.submit()?.wait()?.take(img);
-            let px: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
-            let alive = px.chunks(2).take(count as usize).filter(|r| r[0][3] > 0.0).count();
-            let some = px.chunks(2).find(|r| r[0][3] > 0.0);
-            eprintln!("{batch:?} count {count} hits {n} alive {alive} {some:?}");
-        }
         let mut times: Vec<PassTime> = tracer.times.drain(..).collect();
         for time in &mut times {
             if time.label == "trace" {

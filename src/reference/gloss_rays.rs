@@ -101,7 +101,13 @@ impl Scene<'_> {
         let diffuse = side(known);
         let shine = vector([pixel.shine[0], pixel.shine[1], pixel.shine[2]]);
         let view = view_of_pixel(self.frame, at).normalize();
-        let towards = |positive: bool| if positive { pixel.normal } else { -pixel.normal };
+        let towards = |positive: bool| {
+            if positive {
+                pixel.normal
+            } else {
+                -pixel.normal
+            }
+        };
         let number = at.1 * self.frame.width + at.0;
         let (mut lobe, mut cosine) = (DVec3::ZERO, DVec3::ZERO);
         for sample in 0..self.samples {

@@ -241,7 +241,8 @@ impl Scene<'_> {
         };
         let along = outward.dot(next);
         let mut density = if along > 0.0 { lobes[0] } else { lobes[1] } * along.abs() / PI;
-        if lobes[2] > 0.0 && along > 0.0 {
+        // The glossy lobe also finds directions on the other side, and they count.
+        if lobes[2] > 0.0 {
             let middle = (next + met.to_eye).normalize();
             let cos_h = outward.dot(middle).abs();
             density += lobes[2] * slope_distribution(cos_h, m) * cos_h

@@ -33,6 +33,7 @@ mod leaf_glossy;
 mod leaf_gpu;
 mod leaf_slab;
 mod light_errors;
+mod light_gloss;
 mod light_lamps;
 mod light_limits;
 mod light_picture;
