@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn finer_levels_have_all_strokes_of_coarser_ones() {
+    fn finer_levels_have_all_strokes_to_coarser_ones() {
         let tile = Tile::new(&TileSettings::default());
         let width = TileSettings::default().width;
         for level in 0..INK_LEVELS {

@@ -1,5 +1,5 @@
 //! Surroundings in glossy leaves by rays: every glossy pixel of a lit picture asks in a few
-//! directions of its lobe (f_s of Wang et al. 2005, equation 7) what is there. A free ray sees the
+//! directions of its lobe (`f_s` of Wang et al. 2005, equation 7) what is there. A free ray sees the
 //! sky, a blocked one the light that leaves the leaf that it meets.
 //!
 //! Transfer vectors hold this gloss already, as if it were diffuse. As many rays by the cosine find

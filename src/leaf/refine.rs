@@ -59,7 +59,7 @@ impl Refined {
 
     /// Values of the coarse mesh's vertices, from those of all.
     #[must_use]
-    pub fn of_coarse<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
+    pub fn to_coarse<T: Copy + Default>(&self, values: &[T]) -> Vec<T> {
         let known = self.coarse.iter().flatten();
         let mut out = vec![T::default(); known.max().map_or(0, |&v| v as usize + 1)];
         for (own, &value) in self.coarse.iter().zip(values) {
@@ -200,7 +200,7 @@ mod tests {
         for (p, v) in g.positions.iter().zip(fine.spread(&values, 1)) {
             assert!(p.distance(Vec3::from(v)) < 1e-6, "{p} {v:?}");
         }
-        assert_eq!(fine.of_coarse(&g.positions), coarse.positions);
+        assert_eq!(fine.to_coarse(&g.positions), coarse.positions);
         for part in &g.parts {
             let range = part.vertices();
             let inside = |i: &u32| range.contains(&(*i as usize));

@@ -54,7 +54,7 @@ impl Job<'_> {
         }
         let sun = match lighting {
             Lighting::ShadowPrt => self.sun_of_vertices()?,
-            _ => self.refined.of_coarse(sun),
+            _ => self.refined.to_coarse(sun),
         };
         let light = self.film.sun;
         let receivers = &self.lit.receivers;
@@ -62,7 +62,7 @@ impl Job<'_> {
             (light.towards, light.irradiance)
         });
         for (lamp, visibility) in self.film.lamps.iter().zip(lamps) {
-            let visibility = self.refined.of_coarse(visibility);
+            let visibility = self.refined.to_coarse(visibility);
             let geometry = &self.lit.geometry;
             let place = |i: usize| geometry.origin + geometry.positions[i].as_dvec3();
             add_direct(&mut radiance, receivers, &visibility, |i| {
