@@ -47,10 +47,13 @@ head() {
 head 'glossy leaves'
 leaf=("${glossy[@]}") scene=leaf50_gloss
 light vectors
-row 'gloss of the sky counts as diffuse' vectors
+row 'gloss of the sky counts as diffuse' vectors --gloss-rays 0
+for rays in 1 4 16; do
+    row "--gloss-rays $rays" vectors --gloss-rays $rays
+done
 light both --transfer both
 for gloss in none diffuse lobe; do
-    row "both, --sky-gloss $gloss" both --sky-gloss $gloss
+    row "both, --sky-gloss $gloss" both --sky-gloss $gloss --gloss-rays 0
 done
 row "both, the lobe with masking and shadowing" both --gloss-form safe
 row 'matrices alone' both --transfer matrix
