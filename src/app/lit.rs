@@ -92,6 +92,19 @@ impl LitModel {
         pattern: Option<&str>,
         args: &OpticsArgs,
     ) -> Result<Self> {
+        Self::looked_at(source, textures, (pattern, args), |_| Ok(()))
+    }
+
+    /// The same; `look` may refuse the geometry before the work on it (the hierarchy) begins.
+    ///
+    /// # Errors
+    /// As [`LitModel::new`], and what `look` says.
+    pub fn looked_at(
+        source: &Source,
+        textures: &[(String, std::path::PathBuf)],
+        (pattern, args): (Option<&str>, &OpticsArgs),
+        look: impl FnOnce(&Geometry) -> Result<()>,
+    ) -> Result<Self> {
         let input = Input::load(source, textures)?;
         let turn = y_up(args.up);
         let model = turned(input.model, &turn);
@@ -102,6 +115,7 @@ impl LitModel {
         if geometry.indices.is_empty() {
             return Err(Error::usage(format!("{source}: has no triangles to light")));
         }
+        look(&geometry)?;
         let (mut optics, leaves) = optics(&model, &geometry, pattern, args)?;
         let plants = plants(&input.plants, &geometry, &turn, |model, own| {
             Ok(self::optics(model, own, pattern, args)?.0)

@@ -1,6 +1,7 @@
 //! `umbrage light`: precomputes sky, light between leaves and soft shadows of the sun.
 
 mod matrix;
+mod plan;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -8,8 +9,9 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use self::plan::{How, Sizes};
+
 use crate::app::cli::LightArgs;
-use crate::app::cli::light::{SunDirections, TransferKind};
 use crate::app::lit::LitModel;
 use crate::app::output::{PendingFile, check_ending, write_atomically};
 use crate::app::report::Table;
@@ -20,10 +22,9 @@ use crate::leaf::checkpoint::{self, Checkpoint};
 use crate::leaf::directions::Directions;
 use crate::leaf::environment::{Coefficients, Environment, Sun as SunLight};
 use crate::leaf::levels::{Level, LevelError, LevelSums};
-use crate::leaf::light::{Light, Lighting, Storage, StoredTransfer, VisibilityMaps};
-use crate::leaf::lvc::{Lvc, LvcSettings, SUN_RADIUS_DEGREES};
-use crate::leaf::matrix::Colours;
-use crate::leaf::prt::{Prt, PrtSettings, Snapshot, side_floats};
+use crate::leaf::light::{Light, Lighting, StoredTransfer, VisibilityMaps, model_key};
+use crate::leaf::lvc::{Lvc, SUN_RADIUS_DEGREES};
+use crate::leaf::prt::{Prt, Snapshot};
 use crate::leaf::rays::RayScene;
 use crate::leaf::{light_file, runs};
 use crate::render::plan::human_bytes;
@@ -38,22 +39,13 @@ const MAX_LEVELS: usize = 8;
 /// What is to be done.
 struct Job {
     lit: LitModel,
+    how: How,
     /// Maps of an older file.
     kept: Option<VisibilityMaps>,
-    storage: Storage,
-    /// Vectors, matrices or both.
-    transfer: TransferKind,
-    /// Colours of matrices.
-    colours: Colours,
     /// Levels of detail of the transfer vectors.
     levels: Vec<Level>,
     /// Light that levels are compared in: sky and sun.
     compared: [Coefficients; 2],
-    directions: Option<Directions>,
-    /// Times that triangles are split for visibility.
-    splits: u32,
-    prt: PrtSettings,
-    lvc: LvcSettings,
 }
 
 /// What was done and how long it took.
@@ -74,10 +66,9 @@ struct Done {
 pub fn run(context: &Context, args: &LightArgs) -> Result<Report> {
     check_ending(&args.output, &["light"])?;
     let output = PendingFile::create(&args.output)?;
-    let job = Job::new(args)?;
-    let plan = job.plan(args)?;
+    let (job, sizes) = Job::new(args)?;
     if !context.json() {
-        console::line(&plan);
+        console::line(&sizes.text(&job.how, job.lit.occluders.bytes()));
     }
     let gpu = context.gpu()?;
     let mut run = Run::new(gpu, args, &job)?;
@@ -90,132 +81,53 @@ pub fn run(context: &Context, args: &LightArgs) -> Result<Report> {
 }
 
 impl Job {
-    fn new(args: &LightArgs) -> Result<Self> {
-        let storage = Storage::parse(&args.storage)?;
+    fn new(args: &LightArgs) -> Result<(Self, Sizes)> {
         let sun = match args.sun.sun_direction {
             Some(d) => DVec3::from(d.0).try_normalize().ok_or_else(|| {
                 Error::usage("--sun-direction: a vector without length has no direction")
             })?,
             None => Sun::default().direction(),
         };
-        let directions = match args.directions {
-            SunDirections::None => None,
-            SunDirections::Sun => Some(Directions::Path(vec![sun])),
-            SunDirections::Cube => Some(Directions::Cube {
-                side: args.cube_side,
-            }),
-            SunDirections::Day => Some(Directions::day(args.latitude, args.day, args.minutes)?),
-        };
+        let how = How::new(args, sun)?;
         let model = &args.input.model;
-        let lit = LitModel::new(
-            &args.input.input,
-            &model.textures,
-            model.foliage.as_deref(),
-            &args.optics,
-        )?;
-        let kept = match &args.keep {
-            Some(path) => light_file::read(path, &lit.key(), lit.vertices())?.visibility,
-            None => None,
+        let mut kept = None;
+        let mut sized = None;
+        let look = |geometry: &Geometry| {
+            if let Some(path) = &args.keep {
+                let (key, vertices) = (model_key(geometry), geometry.positions.len());
+                kept = light_file::read(path, &key, vertices)?.visibility;
+            }
+            let levels = levels(&args.lod, geometry)?;
+            let sizes = Sizes::new(&how, geometry, &levels, kept.is_some());
+            sizes.check(args)?;
+            sized = Some((levels, sizes));
+            Ok(())
         };
-        Ok(Self {
-            kept,
-            levels: levels(&args.lod, &lit.geometry)?,
-            compared: compared(sun),
+        let told = (model.foliage.as_deref(), &args.optics);
+        let lit = LitModel::looked_at(&args.input.input, &model.textures, told, look)?;
+        let (levels, sizes) = sized.expect("was looked at");
+        let job = Self {
             lit,
-            storage,
-            transfer: args.transfer,
-            colours: Colours::parse(&args.matrix_colours)?,
-            directions,
-            splits: args.splits,
-            prt: PrtSettings {
-                order: args.order,
-                paths: args.paths,
-                bounces: args.bounces,
-                seed: args.seed,
-                offset: args.offset,
-                // Matrices add it by the view.
-                gloss: args.transfer != TransferKind::Both,
-                ..PrtSettings::default()
-            },
-            lvc: LvcSettings {
-                radius_degrees: args.sun.sun_radius,
-                samples: args.samples,
-                exhaustive: args.exhaustive,
-                offset: args.offset,
-                ..LvcSettings::default()
-            },
-        })
-    }
-
-    /// Bytes of the transfer in memory: sums of the levels, the vectors that are done at once,
-    /// radiance to compare with, and the result with its file.
-    fn transfer_bytes(&self) -> u64 {
-        let all = self.lit.vertices() as u64;
-        let kept: u64 = self.levels.iter().map(|l| l.vertices as u64).sum();
-        let width = 8 * side_floats(self.prt.order) as u64;
-        let stored = width / 4 * self.storage.bytes();
-        kept * (width + 2 * stored) + all.min(u64::from(self.prt.batch / 2)) * width + 24 * all
-    }
-
-    /// What will be computed, with sizes and numbers of rays.
-    fn plan(&self, args: &LightArgs) -> Result<String> {
-        let vertices = self.lit.vertices() as u64;
-        let directions = match (&self.kept, &self.directions) {
-            (None, Some(directions)) => directions.all().len() as u64,
-            _ => 0,
+            how,
+            kept,
+            levels,
+            compared: compared(sun),
         };
-        let (vectors, matrices) = self.kinds();
-        let transfer = if vectors { self.transfer_bytes() } else { 0 };
-        let matrix_bytes = if matrices { self.matrix_bytes() } else { 0 };
-        let triangles = self.lit.geometry.indices.len() as u64 / 3;
-        // Three edges a triangle at most, each with a middle, and four times as many every time.
-        let finer = vertices + triangles * (4u64.pow(self.splits) - 1);
-        let maps = finer * directions;
-        let bytes = transfer + matrix_bytes + maps;
-        if bytes > args.max_bytes {
-            return Err(Error::Unsupported(format!(
-                "{}: the light takes {} in memory ({} of transfer, {} of maps), --max-bytes allows \
-                 {}; try --lod, fewer directions or less of --splits",
-                args.input.input,
-                human_bytes(bytes),
-                human_bytes(transfer),
-                human_bytes(maps),
-                human_bytes(args.max_bytes)
-            )));
-        }
-        let told = if matrices {
-            self.matrix_plan()
-        } else {
-            String::new()
-        };
-        Ok(format!(
-            "{vertices} vertices, {triangles} triangles ({} for rays)\n\
-             transfer: {} paths, {}{told}\n\
-             sun: {directions} directions, at most {finer} vertices, {} rays and more, up to {}",
-            human_bytes(self.lit.occluders.bytes()),
-            2 * vertices
-                * if vectors {
-                    u64::from(self.prt.paths)
-                } else {
-                    0
-                },
-            human_bytes(transfer),
-            maps * u64::from(self.lvc.samples.min(4)),
-            human_bytes(maps),
-        ))
+        Ok((job, sizes))
     }
 
     /// Hash of everything that the result depends on.
     fn hash(&self) -> [u8; 32] {
+        let how = &self.how;
         let text = format!(
             "{:?} {:?} {:?} {} {:?} {:?} {:?}",
-            self.prt,
-            self.lvc,
-            self.directions,
-            self.splits,
+            how.prt,
+            how.lvc,
+            how.directions,
+            how.splits,
             self.levels.iter().map(|l| l.edge).collect::<Vec<_>>(),
-            self.transfer,
-            self.colours,
+            how.transfer,
+            how.colours,
         );
         let mut hash = blake3::Hasher::new();
         hash.update(&self.lit.key());
@@ -275,7 +187,7 @@ impl<'a> Run<'a> {
     }
 
     fn compute(&mut self) -> Result<Light> {
-        let (vectors, matrices) = self.job.kinds();
+        let (vectors, matrices) = self.job.how.kinds();
         let transfer = if vectors {
             self.transfer()?
         } else {
@@ -286,7 +198,7 @@ impl<'a> Run<'a> {
         } else {
             None
         };
-        let visibility = match (&self.job.kept, &self.job.directions) {
+        let visibility = match (&self.job.kept, &self.job.how.directions) {
             (Some(kept), _) => Some(kept.clone()),
             (None, Some(directions)) => Some(self.visibility(directions)?),
             (None, None) => None,
@@ -319,14 +231,14 @@ impl<'a> Run<'a> {
 
     fn transfer(&mut self) -> Result<Vec<StoredTransfer>> {
         let (gpu, job, scene) = (self.gpu, self.job, self.scene.clone());
-        let mut prt = Prt::new(gpu, &scene, &job.lit.receivers, job.prt)?;
+        let mut prt = Prt::new(gpu, &scene, &job.lit.receivers, job.how.prt)?;
         let lighting = Lighting {
             sky: &job.compared[0],
             sun: &job.compared[1],
             direct_sun: false,
             order: 5,
         };
-        let mut levels = LevelSums::new(&job.levels, job.prt.order);
+        let mut levels = LevelSums::new(&job.levels, job.how.prt.order);
         if self.so_far.transfer.receivers > 0 {
             levels.restore(&self.so_far.levels).map_err(Error::usage)?;
         }
@@ -350,14 +262,14 @@ impl<'a> Run<'a> {
         self.done.levels = levels.errors(&lighting);
         self.so_far.transfer = prt.snapshot()?;
         self.so_far.levels = levels.state();
-        Ok(levels.stored(job.storage, job.prt.paths))
+        Ok(levels.stored(job.how.storage, job.how.prt.paths))
     }
 
     fn visibility(&mut self, directions: &Directions) -> Result<VisibilityMaps> {
         let (gpu, job, scene) = (self.gpu, self.job, self.scene.clone());
-        let (_, receivers) = job.lit.refined(job.splits);
+        let (_, receivers) = job.lit.refined(job.how.splits);
         let vertices = receivers.points.len();
-        let mut lvc = Lvc::new(gpu, &scene, &receivers, job.lvc)?;
+        let mut lvc = Lvc::new(gpu, &scene, &receivers, job.how.lvc)?;
         let all: Vec<[f32; 3]> = directions
             .all()
             .iter()
@@ -382,10 +294,10 @@ impl<'a> Run<'a> {
         self.done.sun_seconds = start.elapsed().as_secs_f64();
         Ok(VisibilityMaps {
             directions: directions.clone(),
-            splits: job.splits,
+            splits: job.how.splits,
             vertices: vertices as u32,
-            radius_degrees: job.lvc.radius_degrees,
-            samples: job.lvc.samples,
+            radius_degrees: job.how.lvc.radius_degrees,
+            samples: job.how.lvc.samples,
             maps,
         })
     }
