@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
+#include "ink_tile.glsl"
 
 // Lines, strokes and washes on paper.
 
@@ -36,13 +37,6 @@ float line(ivec2 pixel) {
     return most;
 }
 
-// Ink of the tile at its threshold: the texel says from which darkness on it is ink.
-float hatched(vec3 hatch, float darkness) {
-    float level = clamp(hatch.z, 0.0, float(INK_LEVELS) - 1.0);
-    float threshold = textureLod(tiles, hatch.xy, level).r;
-    return darkness > 0.0 ? smoothstep(-0.06, 0.06, darkness - threshold) : 0.0;
-}
-
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
@@ -67,7 +61,7 @@ void main() {
         }
         if (HATCHING) {
             float darkness = pow(clamp(1.0 - tone / max(push.white, 1e-3), 0.0, 1.0), push.gamma);
-            dry *= 1.0 - push.hatching * hatched(texelFetch(hatch_map, pixel, 0).xyz, darkness);
+            dry *= 1.0 - push.hatching * ink_of_tile(tiles, texelFetch(hatch_map, pixel, 0).xyz, darkness);
         }
     }
     imageStore(picture, pixel, vec4(mix(push.ink, under, dry), 1.0));

@@ -38,6 +38,7 @@ Attributes leaf_attributes() {
     a.ids = vec2(in_ids.xy) + 1.0;
     a.direction = in_direction;
     InkCluster cluster = clusters[in_ids.y];
-    a.hatch = hatch_coordinates(cluster, gl_FragCoord.xy, a.depth, push.packing);
+    a.hatch = hatch_coordinates(cluster, gl_FragCoord.xy, a.depth,
+                                vec2(push.packing, push.packing_steps));
     return a;
 }

@@ -33,6 +33,12 @@ abi! {
         INK_BAND_LENGTH: u32 = 256;
         /// Texels across a band.
         INK_BAND_WIDTH: u32 = 32;
+        /// Strokes run round branches.
+        INK_STROKES_ROUND: u32 = 0;
+        /// Along branches.
+        INK_STROKES_ALONG: u32 = 1;
+        /// On a smooth body, by its clusters.
+        INK_STROKES_BODY: u32 = 2;
         /// Depths as they are, over the range of the scene.
         INK_DEPTH_LINEAR: u32 = 0;
         /// Depths by equation 1 of Deussen and Strothotte 2000.
@@ -146,6 +152,8 @@ abi! {
             crown: f32,
             /// Packing of strokes towards the limb (c of equation 8).
             packing: f32,
+            /// Its steps; 0: smooth.
+            packing_steps: f32,
         }
 
         /// Push constants of wood of one material.
@@ -160,6 +168,18 @@ abi! {
             texcoord_v: [f32; 3],
             /// Object.
             object: u32,
+            /// Tiles of hatching per metre.
+            tiles: f32,
+            /// How strokes run: `INK_STROKES_*`.
+            strokes: u32,
+        }
+
+        /// Push constants of the hatch coordinates of many places.
+        InkPlaces {
+            /// Places.
+            count: u32,
+            /// Clusters, taken in turn.
+            clusters: u32,
             /// Tiles of hatching per metre.
             tiles: f32,
             /// Whether strokes run along branches instead of round them.

@@ -44,7 +44,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn dispatch(context: &Context, command: &Command) -> Result<Report> {
-    let computes = !matches!(command, Command::Grow(_) | Command::Settings(_));
+    let computes = !matches!(
+        command,
+        Command::Grow(_) | Command::Settings(_) | Command::Ink(_)
+    );
     if computes {
         context.check_device()?;
     }
@@ -54,6 +57,7 @@ fn dispatch(context: &Context, command: &Command) -> Result<Report> {
         Command::Surface(args) => command::surface::run(context, args),
         Command::Light(args) => command::light::run(context, args),
         Command::Grow(args) => command::grow::run(context, args),
+        Command::Ink(args) => command::ink::run(context, args),
         Command::Bench(args) => command::bench::run(context, args),
         Command::Conform(args) => command::conform::run(context, args),
         Command::Leaf(args) => command::leaf::run(context, args),

@@ -29,6 +29,8 @@ pub enum Source {
         /// Seed and number of leaves.
         options: GrowOptions,
     },
+    /// The smooth body of the generator.
+    Rabbit,
 }
 
 /// How a grown plant is written where a file is expected.
@@ -50,6 +52,9 @@ impl FromStr for Source {
                 Self::File(path)
             });
         };
+        if rest.eq_ignore_ascii_case(grow::RABBIT) {
+            return Ok(Self::Rabbit);
+        }
         let wrong = || Error::usage(format!("{text}: expected grow:SPECIES[:SEED[:LEAVES]]"));
         let mut parts = rest.split(':');
         let species = Species::parse(parts.next().unwrap_or_default())?;
@@ -75,7 +80,7 @@ impl Source {
     ) -> impl Iterator<Item = &'a Path> {
         let own = match self {
             Self::File(path) | Self::Scene(path) => Some(&**path),
-            Self::Grown { .. } => None,
+            Self::Grown { .. } | Self::Rabbit => None,
         };
         let textures = textures.iter().map(|(_, file)| &**file);
         own.into_iter().chain(textures)
@@ -92,6 +97,7 @@ impl std::fmt::Display for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::File(path) | Self::Scene(path) => path.display().fmt(f),
+            Self::Rabbit => write!(f, "{GROWN}{}", grow::RABBIT),
             Self::Grown { species, options } => {
                 write!(f, "{GROWN}{}:{}", species.name(), options.seed)?;
                 options.leaves.map_or(Ok(()), |n| write!(f, ":{n}"))
@@ -140,6 +146,7 @@ impl Input {
                 name: source.to_string(),
                 ..grow::grow(*species, options)?
             },
+            Source::Rabbit => grow::rabbit(),
             Source::Scene(path) => return Self::load_scene(path, textures),
         };
         for warning in &model.warnings {

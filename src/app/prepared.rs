@@ -62,6 +62,14 @@ impl Prepared {
         Split::new(&self.input.model, &self.geometry, self.pattern.as_deref())
     }
 
+    /// The same for what works without foliage, too.
+    ///
+    /// # Errors
+    /// A pattern that is no regular expression.
+    pub fn split_with_or_without(&self) -> Result<Split> {
+        Split::with_or_without(&self.input.model, &self.geometry, self.pattern.as_deref())
+    }
+
     /// The bake, computed or found in the cache.
     ///
     /// # Errors

@@ -37,6 +37,22 @@ impl Split {
     /// A pattern that is no regular expression; a model without foliage (its materials are
     /// listed).
     pub fn new(model: &Model, geometry: &Geometry, pattern: Option<&str>) -> Result<Self> {
+        let split = Self::with_or_without(model, geometry, pattern)?;
+        if split.foliage_indices.len() < 3 {
+            return Err(no_foliage(model, pattern));
+        }
+        Ok(split)
+    }
+
+    /// The same for what works without foliage, too.
+    ///
+    /// # Errors
+    /// A pattern that is no regular expression.
+    pub fn with_or_without(
+        model: &Model,
+        geometry: &Geometry,
+        pattern: Option<&str>,
+    ) -> Result<Self> {
         let names = RegexBuilder::new(pattern.unwrap_or(NAMES))
             .case_insensitive(true)
             .build()
@@ -62,9 +78,6 @@ impl Split {
             } else {
                 split.covered_vertices.extend(vertices);
             }
-        }
-        if split.foliage_indices.len() < 3 {
-            return Err(no_foliage(model, pattern));
         }
         Ok(split)
     }

@@ -2,10 +2,11 @@
 
 use super::branches::Branches;
 use super::plant::Plant;
-use super::shape::SHAPE_SIZE;
-use super::strokes::{self, Tile, TileSettings};
+use super::shape::{SHAPE_SIZE, Shape};
+use super::strokes::{band_of, outline_of, tile_of};
+use super::style::Style;
 use crate::Result;
-use crate::abi::{INK_BAND_LENGTH, INK_BAND_WIDTH, INK_LEVELS, INK_TILE};
+use crate::abi::{INK_LEVELS, INK_TILE};
 use crate::gpu::{AddressMode, Format, Gpu, Image, ImageInfo, QueueKind, Sampler, SamplerInfo};
 use crate::scene::{Geometry, Model, Wrap, textures};
 
@@ -38,34 +39,32 @@ pub(super) fn filled_image(
 }
 
 /// Shapes below each other.
-pub(super) fn shapes_image(gpu: &Gpu, plant: &Plant) -> Result<Image> {
-    let texels: Vec<u8> = plant
-        .shapes
-        .iter()
-        .flat_map(|s| &s.texels)
-        .copied()
-        .collect();
-    let extent = [SHAPE_SIZE as u32, (SHAPE_SIZE * plant.shapes.len()) as u32];
+pub(super) fn shapes_image(gpu: &Gpu, plant: &Plant, style: &Style) -> Result<Image> {
+    let outline = outline_of(style)?;
+    let shaped = |s: &Shape| match &outline {
+        Some(outline) => s.towards(outline, style.leaves.shape).texels,
+        None => s.texels.clone(),
+    };
+    let mut texels: Vec<u8> = plant.shapes.iter().flat_map(shaped).collect();
+    // A plant without leaves has none; images have at least one.
+    texels.resize(texels.len().max(SHAPE_SIZE * SHAPE_SIZE), 0);
+    let extent = [SHAPE_SIZE as u32, (texels.len() / SHAPE_SIZE) as u32];
     filled_image(gpu, "leaf shapes", Format::R8Unorm, extent, &[&texels])
 }
 
-pub(super) fn band_image(gpu: &Gpu, seed: u32) -> Result<Image> {
-    let extent = [INK_BAND_LENGTH, INK_BAND_WIDTH];
-    let texels = strokes::band(seed);
+pub(super) fn band_image(gpu: &Gpu, style: &Style) -> Result<Image> {
+    let band = band_of(style)?;
     filled_image(
         gpu,
         "silhouette strokes",
         Format::Rgba8Unorm,
-        extent,
-        &[&texels],
+        band.extent,
+        &[&band.texels],
     )
 }
 
-pub(super) fn tile_image(gpu: &Gpu, seed: u32) -> Result<Image> {
-    let tile = Tile::new(&TileSettings {
-        seed: seed.wrapping_add(1),
-        ..TileSettings::default()
-    });
+pub(super) fn tile_image(gpu: &Gpu, style: &Style) -> Result<Image> {
+    let tile = tile_of(style)?;
     let levels: Vec<&[u8]> = tile.levels.iter().map(Vec::as_slice).collect();
     debug_assert_eq!(
         levels.len(),

@@ -1,6 +1,7 @@
 //! Pen and ink: foliage as drawn clusters of leaves (Coconu, Deussen, Hege 2006; Deussen,
 //! Strothotte 2000).
 
+pub mod bodies;
 pub mod branches;
 pub mod clusters;
 mod images;
@@ -10,6 +11,7 @@ pub mod plan;
 pub mod plant;
 pub mod renderer;
 pub mod shape;
+pub mod shape_outline;
 pub mod strokes;
 pub mod style;
 pub mod view;

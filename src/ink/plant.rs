@@ -5,6 +5,7 @@ use std::collections::hash_map::Entry;
 
 use glam::{DVec3, Vec2, Vec3};
 
+use super::bodies::Bodies;
 use super::clusters::{Choice, Clusters};
 use super::leaves::{Leaf, LeafTriangles, leaves};
 use super::shape::Shape;
@@ -38,6 +39,11 @@ pub struct Plant {
     pub batches: Vec<(u32, std::ops::Range<u32>)>,
     /// Index ranges of the geometry that are no leaves, with material and instance.
     pub wood: Vec<(usize, usize, std::ops::Range<u32>)>,
+    /// Smooth bodies, where the style has them instead of wood; their clusters stand behind those
+    /// of the leaves, too.
+    pub bodies: Bodies,
+    /// The first of them.
+    pub first_body_cluster: u32,
 }
 
 /// Normals and ambient coefficients of a foliage bake, for each vertex.
@@ -63,7 +69,7 @@ impl Plant {
         style: &Style,
     ) -> Result<Self> {
         let (mut found, kept) = leaves(model, geometry, triangles);
-        if found.is_empty() {
+        if found.is_empty() && !style.bodies.smooth {
             return Err(Error::usage(format!(
                 "{}: has no leaves that a style could draw",
                 model.name
@@ -81,7 +87,7 @@ impl Plant {
             Choice::Smallest
         };
         let radius = style.leaves.cluster_radius * diagonal(&centres).max(f32::MIN_POSITIVE);
-        let clusters = Clusters::new(&centres, radius, choice)?;
+        let mut clusters = Clusters::new(&centres, radius, choice)?;
         let (shapes, shape_of) = shapes(model, geometry, triangles, &kept, &found, &order)?;
         let mut radii: Vec<f32> = found.iter().map(|l| l.radius).collect();
         radii.sort_by(f32::total_cmp);
@@ -93,22 +99,32 @@ impl Plant {
             }
         }
         let parts = geometry.parts.iter().enumerate();
-        let wood = parts
+        let wood: Vec<(usize, usize, std::ops::Range<u32>)> = parts
             .filter(|(i, p)| !foliage.get(*i).copied().unwrap_or(false) && p.index_count > 0)
             .map(|(_, p)| {
                 let range = p.index_range();
                 (p.material, p.instance, range.start as u32..range.end as u32)
             })
             .collect();
+        let bodies = bodies(geometry, &wood, style)?;
+        let first_body_cluster = clusters.len() as u32;
+        clusters.clusters.extend(&bodies.clusters);
         Ok(Self {
-            leaf_radius: radii[radii.len() / 2],
+            leaf_radius: radii.get(radii.len() / 2).copied().unwrap_or_default(),
+            // Bodies are drawn instead of wood.
+            wood: if style.bodies.smooth {
+                Vec::new()
+            } else {
+                wood
+            },
+            bodies,
+            first_body_cluster,
             leaves: found,
             clusters,
             shapes,
             shape_of,
             crown,
             batches,
-            wood,
         })
     }
 
@@ -156,6 +172,19 @@ impl Plant {
     }
 }
 
+/// What is no leaf as smooth bodies, if the style wants them.
+fn bodies(
+    geometry: &Geometry,
+    parts: &[(usize, usize, std::ops::Range<u32>)],
+    style: &Style,
+) -> Result<Bodies> {
+    if !style.bodies.smooth || parts.is_empty() {
+        return Ok(Bodies::default());
+    }
+    let radius = style.bodies.cluster_radius * geometry.diagonal();
+    Bodies::new(geometry, parts, radius.max(f32::MIN_POSITIVE))
+}
+
 /// A number in [0, 1) of a leaf: its place in the order in which leaves are dropped.
 fn rank(leaf: u32, seed: u32) -> f32 {
     let mut x = leaf ^ seed.wrapping_mul(0x9e37_79b9);
@@ -169,7 +198,7 @@ fn diagonal(points: &[Vec3]) -> f32 {
     let far = Vec3::splat(f32::INFINITY);
     let low = points.iter().copied().fold(far, Vec3::min);
     let high = points.iter().copied().fold(-far, Vec3::max);
-    (high - low).length()
+    (high - low).max(Vec3::ZERO).length()
 }
 
 /// Mean of a bake over each leaf's corners; without a bake away from the crown's middle, open.

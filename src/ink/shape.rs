@@ -98,7 +98,7 @@ fn extended(leaf: bool, to_leaf: f32, depth: f32, to_disc: f32) -> f32 {
 
 /// Euclidean distance in texels of each texel to the nearest that is set; infinite where none is.
 /// Felzenszwalb and Huttenlocher 2012: lower envelopes of parabolas, along rows, then columns.
-fn distances(set: &[bool], size: usize) -> Vec<f32> {
+pub(super) fn distances(set: &[bool], size: usize) -> Vec<f32> {
     const FAR: f32 = 1e12;
     let mut squared: Vec<f32> = set.iter().map(|&s| if s { 0.0 } else { FAR }).collect();
     let mut line = vec![0.0; size];

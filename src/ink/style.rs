@@ -1,9 +1,10 @@
 //! A drawing style: the axes of Coconu, Deussen, Hege 2006 (figure 2) as numbers, in a file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::strokes::{Listed, Stroke, band_of, outline_of, tile_of};
 use crate::{Error, Result};
 
 /// Version of style files.
@@ -23,6 +24,9 @@ pub struct Style {
     /// Clusters and leaves.
     #[serde(default)]
     pub leaves: Leaves,
+    /// What is no leaf.
+    #[serde(default)]
+    pub bodies: Bodies,
     /// Outlines by depth.
     #[serde(default)]
     pub contour: Contour,
@@ -41,7 +45,7 @@ pub struct Style {
 }
 
 /// How leaves are placed, turned and shaped.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Leaves {
     /// Largest radius of a cluster, shares of the foliage's diagonal, 0.001 to 1.
@@ -62,6 +66,9 @@ pub struct Leaves {
     pub kept: f32,
     /// Enlarges the leaves that are left, so that their area stays (1), or not (0).
     pub enlarge: f32,
+    /// Picture of the shape at the end of `shape` instead of the disc: opaque, or black on white.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outline: Option<PathBuf>,
 }
 
 impl Default for Leaves {
@@ -76,6 +83,26 @@ impl Default for Leaves {
             shape: 1.0,
             kept: 1.0,
             enlarge: 1.0,
+            outline: None,
+        }
+    }
+}
+
+/// What is no leaf: branches, or smooth bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Bodies {
+    /// Smooth bodies, hatched by clusters of their vertices; a model without leaves is welcome.
+    pub smooth: bool,
+    /// Largest radius of such a cluster, shares of the model's diagonal, 0.005 to 1.
+    pub cluster_radius: f32,
+}
+
+impl Default for Bodies {
+    fn default() -> Self {
+        Self {
+            smooth: false,
+            cluster_radius: 0.12,
         }
     }
 }
@@ -119,7 +146,7 @@ impl Default for Contour {
 }
 
 /// Strokes that follow outlines.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Silhouette {
     /// Strength, 0 (none) to 1.
@@ -132,6 +159,9 @@ pub struct Silhouette {
     pub aspect: f32,
     /// Blends neighbouring channels of tone instead of choosing one.
     pub blend: bool,
+    /// Picture of the strokes: four channels, or four rows, from dark to light.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub band: Option<PathBuf>,
 }
 
 impl Default for Silhouette {
@@ -142,6 +172,7 @@ impl Default for Silhouette {
             length: 96.0,
             aspect: 1.0,
             blend: false,
+            band: None,
         }
     }
 }
@@ -157,8 +188,29 @@ pub enum WoodStrokes {
     Along,
 }
 
+/// A tile as pictures.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Painted {
+    /// One picture of thresholds: the darker, the lighter the tone from which it is ink.
+    One(PathBuf),
+    /// Pictures of one tone each, from light to dark.
+    Several(Vec<PathBuf>),
+}
+
+impl Painted {
+    /// Its first file, for messages.
+    #[must_use]
+    pub fn first(&self) -> &Path {
+        match self {
+            Self::One(path) => path,
+            Self::Several(paths) => paths.first().map_or(Path::new(""), |p| p),
+        }
+    }
+}
+
 /// Strokes that give tone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Hatching {
     /// Strength, 0 (none) to 1.
@@ -178,6 +230,27 @@ pub struct Hatching {
     pub per_object: bool,
     /// How strokes run on branches.
     pub wood: WoodStrokes,
+    /// Steps of the packing (the paper's figure 9c has 3); 0: smooth.
+    pub packing_steps: u32,
+    /// Pictures of the tile instead of strokes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tile: Option<Painted>,
+    /// Strokes of the tile instead of the program's: u, v, length (edges of the tile), angle
+    /// (degrees), bend (lengths), width (texels), tone (0 to 1), coarsest level (0 to 4).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub strokes: Vec<Listed>,
+    /// Width of the program's strokes, texels, 0.5 to 16.
+    pub stroke_width: f32,
+    /// Shortest and longest of them, edges of the tile, 0.02 to 1.
+    pub stroke_length: [f32; 2],
+    /// Scatter of their directions, degrees, 0 to 45.
+    pub stroke_jitter: f32,
+    /// Darkness above which strokes cross, 0 to 1; 1: never.
+    pub crossing: f32,
+    /// Direction of those that cross, degrees, -90 to 90.
+    pub cross_angle: f32,
+    /// Tones in which the tile is filled, 2 to 64.
+    pub tones: u32,
 }
 
 impl Default for Hatching {
@@ -191,6 +264,15 @@ impl Default for Hatching {
             scatter: true,
             per_object: false,
             wood: WoodStrokes::Round,
+            packing_steps: 0,
+            tile: None,
+            strokes: Vec::new(),
+            stroke_width: 1.7,
+            stroke_length: [0.25, 0.6],
+            stroke_jitter: 3.0,
+            crossing: 0.6,
+            cross_angle: 90.0,
+            tones: 36,
         }
     }
 }
@@ -246,7 +328,7 @@ impl Default for Paper {
 }
 
 /// Built-in styles: name and file.
-pub const PRESETS: [(&str, &str); 4] = [
+pub const PRESETS: [(&str, &str); 5] = [
     ("full", include_str!("presets/full.toml")),
     ("minimal", include_str!("presets/minimal.toml")),
     ("outline", include_str!("presets/outline.toml")),
@@ -254,6 +336,7 @@ pub const PRESETS: [(&str, &str); 4] = [
         "silhouette-hatching",
         include_str!("presets/silhouette-hatching.toml"),
     ),
+    ("smooth", include_str!("presets/smooth.toml")),
 ];
 
 impl Style {
@@ -268,7 +351,10 @@ impl Style {
             .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
         {
             let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
-            return Self::parse(&text).map_err(|e| Error::file(path, e));
+            let mut style = Self::parse(&text).map_err(|e| Error::file(path, e))?;
+            style.resolve(path.parent().unwrap_or(Path::new("")));
+            style.check_files().map_err(|e| Error::file(path, e))?;
+            return Ok(style);
         }
         let Some((_, text)) = PRESETS.iter().find(|p| p.0 == name) else {
             let names: Vec<&str> = PRESETS.iter().map(|p| p.0).collect();
@@ -296,6 +382,56 @@ impl Style {
         Ok(style)
     }
 
+    /// Makes the names of its files relative to where the program runs; they are given relative to
+    /// the style's folder.
+    fn resolve(&mut self, folder: &Path) {
+        let tile = match &mut self.hatching.tile {
+            Some(Painted::One(path)) => std::slice::from_mut(path),
+            Some(Painted::Several(paths)) => paths,
+            None => &mut [],
+        };
+        let others = [&mut self.silhouette.band, &mut self.leaves.outline];
+        for path in tile.iter_mut().chain(others.into_iter().flatten()) {
+            *path = folder.join(&*path);
+        }
+    }
+
+    /// Reads its files, so that what is wrong with them is told before a model is read.
+    fn check_files(&self) -> Result<()> {
+        if self.hatching.tile.is_some() {
+            tile_of(self)?;
+        }
+        if self.silhouette.band.is_some() {
+            band_of(self)?;
+        }
+        outline_of(self).map(|_| ())
+    }
+
+    fn check_strokes(&self) -> std::result::Result<(), String> {
+        let h = &self.hatching;
+        if h.tile.is_some() && !h.strokes.is_empty() {
+            return Err("hatching.tile and hatching.strokes: only one can make the tile".into());
+        }
+        if let Some(Painted::Several(paths)) = &h.tile
+            && !(1..=16).contains(&paths.len())
+        {
+            return Err(format!(
+                "hatching.tile: {} pictures: expected 1 to 16",
+                paths.len()
+            ));
+        }
+        if h.stroke_length[0] > h.stroke_length[1] {
+            return Err(format!(
+                "hatching.stroke_length = {:?}: expected the shortest first",
+                h.stroke_length
+            ));
+        }
+        for (i, &numbers) in h.strokes.iter().enumerate() {
+            Stroke::listed(numbers).map_err(|e| format!("hatching.strokes[{i}]: {e}"))?;
+        }
+        Ok(())
+    }
+
     /// Whether every number lies in its range.
     ///
     /// # Errors
@@ -312,6 +448,12 @@ impl Style {
             ("leaves.shape", l.shape, 0.0, 1.0),
             ("leaves.kept", l.kept, 0.0, 1.0),
             ("leaves.enlarge", l.enlarge, 0.0, 1.0),
+            (
+                "bodies.cluster_radius",
+                self.bodies.cluster_radius,
+                0.005,
+                1.0,
+            ),
             ("contour.strength", c.strength, 0.0, 1.0),
             ("contour.threshold", c.threshold, 0.0, 1.0),
             ("contour.threshold_wood", c.threshold_wood, 0.0, 1.0),
@@ -327,6 +469,14 @@ impl Style {
             ("hatching.strength", h.strength, 0.0, 1.0),
             ("hatching.scale", h.scale, 0.05, 20.0),
             ("hatching.packing", h.packing, -0.5, 2.0),
+            ("hatching.packing_steps", h.packing_steps as f32, 0.0, 16.0),
+            ("hatching.stroke_width", h.stroke_width, 0.5, 16.0),
+            ("hatching.stroke_length", h.stroke_length[0], 0.02, 1.0),
+            ("hatching.stroke_length", h.stroke_length[1], 0.02, 1.0),
+            ("hatching.stroke_jitter", h.stroke_jitter, 0.0, 45.0),
+            ("hatching.crossing", h.crossing, 0.0, 1.0),
+            ("hatching.cross_angle", h.cross_angle, -90.0, 90.0),
+            ("hatching.tones", h.tones as f32, 2.0, 64.0),
             ("hatching.white", h.white, 0.0, 1.0),
             ("hatching.gamma", h.gamma, 0.1, 10.0),
             ("shading.strength", g.strength, 0.0, 1.0),
@@ -344,6 +494,7 @@ impl Style {
                 return Err(format!("{name} = {value}: expected {low} to {high}"));
             }
         }
+        self.check_strokes()?;
         if c.mapping > 0.0 && c.mapping <= 1.0 {
             return Err(format!(
                 "contour.mapping = {}: expected 0 (linear depths) or more than 1",

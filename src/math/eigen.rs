@@ -11,7 +11,12 @@ const SWEEPS: usize = 8;
 pub fn symmetric(matrix: DMat3) -> [(f64, DVec3); 3] {
     let mut m = matrix;
     let mut vectors = DMat3::IDENTITY;
+    let size = matrix.x_axis.x.abs() + matrix.y_axis.y.abs() + matrix.z_axis.z.abs();
     for _ in 0..SWEEPS {
+        let off = m.y_axis.x.abs() + m.z_axis.x.abs() + m.z_axis.y.abs();
+        if off <= f64::EPSILON * size {
+            break;
+        }
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let off = m.col(q)[p];
             if off == 0.0 || !off.is_finite() {

@@ -135,7 +135,12 @@ pub fn silhouette(
 /// Hatch coordinates (not wrapped into their tile) and level: `hatch_coordinates` of
 /// `ink_hatch.glsl`; equations 5 to 8.
 #[must_use]
-pub fn hatch(cluster: &InkCluster, pixel: DVec2, depth: f64, packing: f64) -> Option<(DVec2, f64)> {
+pub fn hatch(
+    cluster: &InkCluster,
+    pixel: DVec2,
+    depth: f64,
+    packing: (f64, f64),
+) -> Option<(DVec2, f64)> {
     if cluster.pixel_radius <= 0.0 {
         return None;
     }
@@ -147,7 +152,14 @@ pub fn hatch(cluster: &InkCluster, pixel: DVec2, depth: f64, packing: f64) -> Op
     let per_pixel = (a * d - b * c).abs().sqrt();
     let offset = DVec2::new(a * away.x + b * away.y, c * away.x + d * away.y);
     let behind = ((depth - front) / radius).clamp(0.0, 1.0);
-    let f = 1.0 + packing * behind * behind;
+    let square = behind * behind;
+    let (packing, steps) = packing;
+    let packed = if steps > 0.0 {
+        (steps * square).floor().min(steps) / steps
+    } else {
+        square
+    };
+    let f = 1.0 + packing * packed;
     let up = DVec2::from(cluster.texture_up.map(f64::from));
     // Q maps the direction of the texture to +v.
     let turned = DVec2::new(
@@ -321,8 +333,8 @@ mod tests {
             ..InkCluster::default()
         };
         let packing = std::f64::consts::FRAC_PI_2 - 1.0;
-        let limb = hatch(&cluster, DVec2::new(150.0, 100.0), 10.0, packing);
-        let plain = hatch(&cluster, DVec2::new(150.0, 100.0), 9.0, packing);
+        let limb = hatch(&cluster, DVec2::new(150.0, 100.0), 10.0, (packing, 0.0));
+        let plain = hatch(&cluster, DVec2::new(150.0, 100.0), 9.0, (packing, 0.0));
         let ratio = limb.unwrap().0.x / plain.unwrap().0.x;
         assert!(
             (ratio - std::f64::consts::FRAC_PI_2).abs() < 1e-6,
@@ -332,7 +344,7 @@ mod tests {
             pixel_radius: 0.0,
             ..cluster
         };
-        assert!(hatch(&hidden, DVec2::ZERO, 1.0, 0.0).is_none());
+        assert!(hatch(&hidden, DVec2::ZERO, 1.0, (0.0, 0.0)).is_none());
     }
 
     #[test]

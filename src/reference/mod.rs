@@ -8,6 +8,8 @@ pub mod encode;
 pub mod generators;
 pub mod gloss_rays;
 pub mod ink;
+pub mod ink_body;
+pub mod ink_tile;
 pub mod ink_wood;
 pub mod lamps;
 pub mod leaf_albedo;

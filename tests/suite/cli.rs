@@ -7,7 +7,8 @@ use crate::small_model::{SmallModel, small_tree};
 
 /// Every command of the program.
 const COMMANDS: &[&str] = &[
-    "render", "bake", "surface", "grow", "info", "leaf", "bench", "conform", "settings", "tradeoff",
+    "render", "bake", "surface", "grow", "info", "leaf", "bench", "conform", "settings",
+    "tradeoff", "ink",
 ];
 
 #[test]

@@ -281,7 +281,10 @@ fn hatching_and_places_of_leaves_are_those_of_their_twins() {
         .chunks_exact(2)
         .map(|b| umbrage::math::packing::f16_to_f32(u16::from_le_bytes([b[0], b[1]])))
         .collect();
-    let packing = f64::from(style.hatching.packing);
+    let packing = (
+        f64::from(style.hatching.packing),
+        f64::from(style.hatching.packing_steps),
+    );
     let mut seen = 0;
     for (i, &d) in depth.iter().enumerate().filter(|p| *p.1 > 0.0) {
         let pixel = DVec2::new((i % 480) as f64 + 0.5, (i / 480) as f64 + 0.5);

@@ -4,6 +4,7 @@ pub mod chosen;
 pub mod commands;
 pub mod global;
 pub mod ink;
+pub mod ink_strokes;
 pub mod leaf;
 pub mod light;
 pub mod motion;
@@ -17,6 +18,7 @@ pub use commands::{
     SettingsArgs, SurfaceArgs,
 };
 pub use global::GlobalArgs;
+pub use ink_strokes::InkCommandArgs;
 pub use leaf::LeafArgs;
 pub use light::LightArgs;
 
@@ -76,6 +78,9 @@ pub enum Command {
     /// Check every kernel on the device against its CPU twin
     #[command(after_help = ConformArgs::EXAMPLES)]
     Conform(ConformArgs),
+    /// Write the strokes of a style, to be painted over
+    #[command(after_help = InkCommandArgs::EXAMPLES)]
+    Ink(InkCommandArgs),
     /// List every setting with unit, range, default and what it trades
     #[command(after_help = SettingsArgs::EXAMPLES)]
     Settings(SettingsArgs),

@@ -19,7 +19,13 @@ pub fn run(_context: &Context, args: &GrowArgs) -> Result<Report> {
     let Some(species) = &args.species else {
         return Ok(list());
     };
-    let species = Species::parse(species)?;
+    let body = species.eq_ignore_ascii_case(grow::RABBIT);
+    let species = if body {
+        None
+    } else {
+        Some(Species::parse(species)?)
+    };
+    let name = species.map_or(grow::RABBIT, Species::name);
     let path = args.output.as_deref().ok_or_else(|| {
         Error::usage("grow: --output FILE is missing: where shall the plant be written?")
     })?;
@@ -30,8 +36,11 @@ pub fn run(_context: &Context, args: &GrowArgs) -> Result<Report> {
     };
     check_ending(path, &["glb"])?;
     let output = PendingFile::create(path)?;
-    let working = console::working(format!("growing {}", species.name()));
-    let model = grow::grow(species, &options)?;
+    let working = console::working(format!("growing {name}"));
+    let model = match species {
+        Some(species) => grow::grow(species, &options)?,
+        None => grow::rabbit(),
+    };
     let geometry = Geometry::flatten(&model);
     let bytes = export::gltf(&model, &[], &ExportOptions::default())?;
     output.commit(&bytes)?;
@@ -48,11 +57,11 @@ pub fn run(_context: &Context, args: &GrowArgs) -> Result<Report> {
     let text = format!(
         "{}: {} seed {}, {leaves} leaves, {triangles} triangles, {height:.2} m high\n",
         path.display(),
-        species.name(),
+        name,
         args.seed
     );
     let json = json!({
-        "output": path, "species": species.name(), "seed": args.seed, "leaves": leaves,
+        "output": path, "species": name, "seed": args.seed, "leaves": leaves,
         "triangles": triangles, "vertices": geometry.positions.len(), "height_m": height,
         "bytes": bytes.len(),
     });
@@ -64,6 +73,10 @@ fn list() -> Report {
     for species in Species::ALL {
         table.row(&[&species.name(), &species.description()]);
     }
+    table.row(&[
+        &grow::RABBIT,
+        &"a sitting rabbit of 0.5 m without leaves, for smooth bodies; seed and leaves do not matter",
+    ]);
     let names = Species::ALL.map(|s| json!({ "name": s.name(), "what": s.description() }));
     Report::new(table.to_string(), json!({ "species": names }))
 }

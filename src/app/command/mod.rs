@@ -7,6 +7,7 @@ pub mod bench_rays;
 pub mod conform;
 pub mod grow;
 pub mod info;
+pub mod ink;
 pub mod leaf;
 pub mod light;
 mod lit_sheet;

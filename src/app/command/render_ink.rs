@@ -49,12 +49,16 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     let prepared = Prepared::new(source, textures, pattern, &args.settings, &mut timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let plan = InkPlan::new(&style);
-    let baked = if plan.crown {
+    let split = if style.bodies.smooth {
+        prepared.split_with_or_without()?
+    } else {
+        prepared.split()?
+    };
+    let baked = if plan.crown && !split.foliage_indices.is_empty() {
         Some(prepared.bake(context, &mut timings)?.bake)
     } else {
         None
     };
-    let split = prepared.split()?;
     let (model, geometry) = (&prepared.input.model, &prepared.geometry);
     let plant = timings.measure("leaves and clusters", || {
         let indices = &split.foliage_indices;

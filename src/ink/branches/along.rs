@@ -10,11 +10,11 @@ use super::axes::Axis;
 use super::surface::{Graph, Surface};
 
 /// Steps of the fit at most; the start is near already.
-const STEPS: usize = 200;
+const STEPS: usize = 60;
 /// The fit ends when this share of the first error is left.
 const LEFT: f64 = 1e-3;
 /// Rounds in which neighbouring frames agree.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 8;
 
 /// An edge over which a sign goes over: those whose axes agree most come first.
 struct Step {

@@ -152,7 +152,7 @@ fn agreed(graph: &Graph, mut axes: Vec<Axis>) -> Vec<Axis> {
         let one = |i: usize| {
             let own = axes[i];
             let weight = |a: &Axis| a.sure.max(1e-6);
-            let mut tensor = weight(&own) * outer(own.direction, own.direction);
+            let mut direction = weight(&own) * own.direction;
             let mut middle = weight(&own) * own.middle;
             let mut radius = weight(&own) * own.radius.max(1e-12).ln();
             let mut total = weight(&own);
@@ -161,13 +161,13 @@ fn agreed(graph: &Graph, mut axes: Vec<Axis>) -> Vec<Axis> {
                 // Middles of neighbours lie elsewhere along the axis.
                 let w = weight(&a);
                 let slid = a.middle - (a.middle - own.middle).dot(own.direction) * own.direction;
-                tensor += w * outer(a.direction, a.direction);
+                direction += w * a.direction.dot(own.direction).signum() * a.direction;
                 middle += w * slid;
                 radius += w * a.radius.max(1e-12).ln();
                 total += w;
             }
             Axis {
-                direction: symmetric(tensor)[0].1,
+                direction: direction.try_normalize().unwrap_or(own.direction),
                 middle: middle / total,
                 radius: (radius / total).exp(),
                 sure: own.sure,

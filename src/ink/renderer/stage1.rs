@@ -2,7 +2,9 @@
 
 use super::frame::{InkRenderer, InkScene};
 use crate::Result;
-use crate::abi::{INK_TILE, InkLeafDraw, InkWoodDraw};
+use crate::abi::{
+    INK_STROKES_ALONG, INK_STROKES_BODY, INK_STROKES_ROUND, INK_TILE, InkLeafDraw, InkWoodDraw,
+};
 use crate::gpu::{Binding, DepthTarget, RenderPass, Work};
 use crate::ink::style::WoodStrokes;
 use crate::scene::{AlphaMode, Material, Model};
@@ -22,9 +24,10 @@ impl InkRenderer {
             Binding::Read(&u.normals),
             Binding::Read(&u.texcoords),
             Binding::Read(&u.hatches),
+            Binding::Read(&self.clusters),
         ];
         let mut reads = leaf_set.to_vec();
-        reads.extend(&wood_set[1..]);
+        reads.extend(&wood_set[1..5]);
         reads.push(Binding::Index(&u.indices));
         reads.extend(u.textures.iter().map(|(i, s)| Binding::Sampled(i, s)));
         let pass = RenderPass {
@@ -41,7 +44,12 @@ impl InkRenderer {
             draws.pipeline(&self.stage1.wood);
             draws.bind(0, &wood_set)?;
             draws.index_buffer(&u.indices);
-            for (material, instance, range) in &scene.plant.wood {
+            let wood = if self.style.bodies.smooth {
+                &scene.plant.bodies.parts
+            } else {
+                &scene.plant.wood
+            };
+            for (material, instance, range) in wood {
                 let (image, sampler) = &u.textures[*material];
                 draws.bind(1, &[Binding::Sampled(image, sampler)])?;
                 draws.push(&self.wood_draw(scene.model, *material, *instance))?;
@@ -71,10 +79,12 @@ impl InkRenderer {
             orientation: l.orientation,
             facing: l.facing,
             size: l.size * self.style.enlargement(),
-            shape: l.shape,
+            // A painted outline is mixed into the shapes themselves.
+            shape: if l.outline.is_some() { 1.0 } else { l.shape },
             kept: l.kept,
             crown: self.style.shading.crown,
             packing: h.packing,
+            packing_steps: h.packing_steps as f32,
         }
     }
 
@@ -94,7 +104,11 @@ impl InkRenderer {
             // Wood is no part of the clusters: a line goes between the two.
             object: (1 << 20) + instance as u32,
             tiles: (1.0 / (self.reference * f64::from(INK_TILE) * scale)) as f32,
-            along: u32::from(self.style.hatching.wood == WoodStrokes::Along),
+            strokes: match self.style.hatching.wood {
+                _ if self.style.bodies.smooth => INK_STROKES_BODY,
+                WoodStrokes::Along => INK_STROKES_ALONG,
+                WoodStrokes::Round => INK_STROKES_ROUND,
+            },
         }
     }
 }

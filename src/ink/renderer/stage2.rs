@@ -25,8 +25,8 @@ pub(super) struct Stage2 {
 impl Stage2 {
     /// What `plan`, the plan of `style`, has.
     pub(super) fn new(gpu: &Gpu, style: &Style, plan: &InkPlan) -> Result<Self> {
-        let strokes = plan.silhouette.then(|| band_image(gpu, style.seed));
-        let tiles = plan.hatching.then(|| tile_image(gpu, style.seed));
+        let strokes = plan.silhouette.then(|| band_image(gpu, style));
+        let tiles = plan.hatching.then(|| tile_image(gpu, style));
         Ok(Self {
             pipelines: Stage2Pipelines::new(gpu, plan)?,
             strokes: strokes.transpose()?,

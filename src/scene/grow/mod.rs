@@ -15,6 +15,7 @@ pub(crate) mod noise;
 mod parameters;
 mod plant;
 mod portable;
+mod rabbit;
 mod random;
 mod shape;
 mod skeleton;
@@ -25,6 +26,7 @@ mod wood;
 
 pub use parameters::{BarkStyle, LeafParameters, LeafShape, Level, Parameters, Prune};
 pub use plant::{GrowOptions, MAX_LEAVES, embedded, grow, grow_with};
+pub use rabbit::{RABBIT, rabbit};
 pub use shape::Shape;
 pub use skeleton::skeleton;
 pub use species::Species;

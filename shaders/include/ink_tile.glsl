@@ -1,0 +1,46 @@
+#ifndef INK_TILE_GLSL
+#define INK_TILE_GLSL
+
+// Ink of hatching tiles (Praun et al. 2001) kept as thresholds (Webb et al. 2002): a texel is the darkness
+// from which it is ink. Texels are decided first and blended after: blended thresholds would have
+// more ink than was asked for wherever strokes are dark.
+
+// Tones over which a stroke comes in, on both sides of its own.
+const float INK_SOFT = 0.03;
+
+float ink_of_texel(sampler2D tiles, ivec2 at, int level, float darkness) {
+    ivec2 size = textureSize(tiles, level);
+    float threshold = texelFetch(tiles, at & (size - 1), level).r;
+    float soft = min(INK_SOFT, darkness);
+    return threshold < 0.999 ? smoothstep(-soft, soft, darkness - threshold) : 0.0;
+}
+
+float ink_of_level(sampler2D tiles, vec2 place, int level, float darkness) {
+    vec2 at = place * vec2(textureSize(tiles, level)) - 0.5;
+    ivec2 low = ivec2(floor(at));
+    vec2 f = at - vec2(low);
+    float top = mix(ink_of_texel(tiles, low, level, darkness),
+                    ink_of_texel(tiles, low + ivec2(1, 0), level, darkness), f.x);
+    float bottom = mix(ink_of_texel(tiles, low + ivec2(0, 1), level, darkness),
+                       ink_of_texel(tiles, low + ivec2(1, 1), level, darkness), f.x);
+    return mix(top, bottom, f.y);
+}
+
+// `hatch`: place in the tile, and log2 of the texels of the finest level that a pixel spans.
+float ink_of_tile(sampler2D tiles, vec3 hatch, float darkness) {
+    if (darkness <= 0.0) {
+        return 0.0;
+    }
+    float level = clamp(hatch.z, 0.0, float(INK_LEVELS) - 1.0);
+    int fine = int(floor(level));
+    float blend = level - float(fine);
+    float ink = ink_of_level(tiles, hatch.xy, fine, darkness);
+    if (blend > 0.0) {
+        ink = mix(ink, ink_of_level(tiles, hatch.xy, min(fine + 1, int(INK_LEVELS) - 1), darkness), blend);
+    }
+    // Magnified texels keep sharp borders.
+    float sharp = clamp(exp2(-hatch.z), 1.0, 8.0);
+    return clamp((ink - 0.5) * sharp + 0.5, 0.0, 1.0);
+}
+
+#endif
