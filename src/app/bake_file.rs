@@ -74,13 +74,14 @@ pub fn from_bytes(bytes: &[u8]) -> Option<Bake> {
     })
 }
 
-fn slice(out: &mut Vec<u8>, bytes: &[u8], element: usize) {
+/// Appends the number of elements of `element` bytes in `bytes`, and the bytes.
+pub(super) fn slice(out: &mut Vec<u8>, bytes: &[u8], element: usize) {
     out.extend_from_slice(&((bytes.len() / element) as u64).to_le_bytes());
     out.extend_from_slice(bytes);
 }
 
 /// What is left to read.
-struct Reader<'a>(&'a [u8]);
+pub(super) struct Reader<'a>(pub(super) &'a [u8]);
 
 impl<'a> Reader<'a> {
     fn take(&mut self, count: usize) -> Option<&'a [u8]> {
@@ -97,7 +98,8 @@ impl<'a> Reader<'a> {
         usize::try_from(u64::from_le_bytes(self.array()?)).ok()
     }
 
-    fn slice<T: bytemuck::Pod>(&mut self, element: usize) -> Option<Vec<T>> {
+    /// Elements of `element` bytes behind their number.
+    pub(super) fn slice<T: bytemuck::Pod>(&mut self, element: usize) -> Option<Vec<T>> {
         let count = self.count()?;
         let bytes = self.take(count.checked_mul(element)?)?;
         Some(bytemuck::pod_collect_to_vec(bytes))

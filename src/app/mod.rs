@@ -5,6 +5,7 @@ pub mod bake;
 pub mod bake_file;
 pub mod cache;
 pub mod cli;
+pub mod clusters;
 pub mod command;
 pub mod conform;
 pub mod console;

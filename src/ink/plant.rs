@@ -68,6 +68,23 @@ impl Plant {
         light: Option<CrownLight<'_>>,
         style: &Style,
     ) -> Result<Self> {
+        let crown = (foliage, light);
+        Self::gathered(model, geometry, triangles, crown, style, Clusters::new)
+    }
+
+    /// The same with clusters that `gather` makes or knows from leaves' centres, the largest radius
+    /// and what a leaf prefers.
+    ///
+    /// # Errors
+    /// As [`Plant::new`], and those of `gather`.
+    pub fn gathered(
+        model: &Model,
+        geometry: &Geometry,
+        triangles: LeafTriangles<'_>,
+        (foliage, light): (&[bool], Option<CrownLight<'_>>),
+        style: &Style,
+        gather: impl FnOnce(&[Vec3], f32, Choice) -> Result<Clusters>,
+    ) -> Result<Self> {
         let (mut found, kept) = leaves(model, geometry, triangles);
         if found.is_empty() && !style.bodies.smooth {
             return Err(Error::usage(format!(
@@ -87,7 +104,7 @@ impl Plant {
             Choice::Smallest
         };
         let radius = style.leaves.cluster_radius * diagonal(&centres).max(f32::MIN_POSITIVE);
-        let mut clusters = Clusters::new(&centres, radius, choice)?;
+        let mut clusters = gather(&centres, radius, choice)?;
         let (shapes, shape_of) = shapes(model, geometry, triangles, &kept, &found, &order)?;
         let mut radii: Vec<f32> = found.iter().map(|l| l.radius).collect();
         radii.sort_by(f32::total_cmp);

@@ -10,7 +10,7 @@ use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::prepared::Prepared;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
-use crate::app::{Context, Report, console};
+use crate::app::{Context, Report, clusters, console};
 use crate::foliage::{Leaves, Primitive};
 use crate::ink::leaves::LeafTriangles;
 use crate::ink::motion::Track;
@@ -73,7 +73,10 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
             ambient: &b.ambient,
         });
         let foliage = &split.foliage_parts;
-        Plant::new(model, geometry, triangles, foliage, light, &style)
+        let crown = (foliage.as_slice(), light);
+        Plant::gathered(model, geometry, triangles, crown, &style, |c, r, choice| {
+            clusters::gather(&context.cache(), c, r, choice)
+        })
     })?;
     let factor = args.ink.ink_supersample;
     let size = settings.size.map(|s| s * factor);
