@@ -6,9 +6,10 @@
 // of the finest level that a pixel spans.
 
 // Whole tiles round a branch, twice as many with each doubling of its girth, so that strokes meet
-// themselves. Where strokes run along, the doubling is not at the same height all round.
+// themselves. Strokes round it are half as long as elsewhere: it curves away under the pen. Where
+// they run along, the doubling is not at the same height all round.
 float tiles_round(vec4 hatch, float tiles, bool along) {
-    float spread = along ? 0.35 * sin(5.0 * atan(hatch.y, hatch.x)) : 0.0;
+    float spread = along ? 0.35 * sin(5.0 * atan(hatch.y, hatch.x)) : 1.0;
     return exp2(max(0.0, floor(hatch.w + log2(tiles) + spread + 0.5)));
 }
 

@@ -11,7 +11,7 @@ pub fn wood_hatch(hatch: [f64; 4], tiles: f64, along: bool) -> DVec2 {
     let spread = if along {
         0.35 * (5.0 * turn).sin()
     } else {
-        0.0
+        1.0
     };
     // Whole tiles round, so that strokes meet themselves.
     let around = (girth + tiles.log2() + spread + 0.5)

@@ -1,6 +1,6 @@
 //! Tiles filled by the program: strokes where there is most room, tone after tone.
 
-use std::f32::consts::FRAC_PI_2;
+use std::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::Vec2;
 
@@ -30,9 +30,9 @@ impl Default for TileSettings {
     fn default() -> Self {
         Self {
             seed: 1,
-            width: 1.7,
-            lengths: [0.25, 0.6],
-            scatter: 0.05,
+            width: 1.6,
+            lengths: [0.14, 0.6],
+            scatter: 0.07,
             crossing: 0.6,
             cross_angle: FRAC_PI_2,
             tones: 36,
@@ -48,6 +48,10 @@ const REACH: f32 = 8.0;
 const CELLS: f32 = 2.0;
 /// Strokes of one tone and level at most: dark tiles take many that mostly overlap.
 const MOST: u32 = 4096;
+/// Sideways bend of strokes at most, lengths.
+const BEND: f32 = 0.06;
+/// Directions drift over the tile by this much of their scatter.
+const DRIFT: f32 = 1.2;
 /// Share of the crossing strokes above their darkness.
 const CROSSED: f32 = 0.6;
 /// Numbers from a seed; the same everywhere.
@@ -62,10 +66,6 @@ impl Numbers {
         let word = ((self.0 >> ((self.0 >> 28) + 4)) ^ self.0).wrapping_mul(277_803_737);
         let word = (word >> 22) ^ word;
         (word >> 8) as f32 / 16_777_216.0
-    }
-
-    fn between(&mut self, [low, high]: [f32; 2]) -> f32 {
-        low + (high - low) * self.next()
     }
 }
 
@@ -178,6 +178,12 @@ fn fitted(level: &Level, stroke: &mut Stroke, left: f32) -> Option<f32> {
     None
 }
 
+/// Direction in which strokes of a neighbourhood lean together, radians; it repeats with the tile.
+fn drift(at: Vec2, scatter: f32) -> f32 {
+    let wave = (TAU * at.y).sin();
+    DRIFT * scatter * (TAU * (at.x + 0.25 * wave)).sin()
+}
+
 /// Of a few random strokes the one with the least ink about it, at its level and all finer ones.
 fn best(
     numbers: &mut Numbers,
@@ -188,14 +194,19 @@ fn best(
     let crossing = tone >= settings.crossing;
     let mut best: Option<(f32, Stroke)> = None;
     for _ in 0..CANDIDATES {
-        let turn = settings.scatter * (2.0 * numbers.next() - 1.0);
         let second = crossing && numbers.next() < CROSSED;
+        let at = Vec2::new(numbers.next(), numbers.next());
+        // Short strokes are more than long ones; none is quite straight.
+        let share = numbers.next();
+        let turn = settings.scatter * (2.0 * numbers.next() - 1.0) + drift(at, settings.scatter);
         let stroke = Stroke {
-            at: Vec2::new(numbers.next(), numbers.next()),
-            length: numbers.between(settings.lengths),
+            at,
+            length: settings.lengths[0]
+                + (settings.lengths[1] - settings.lengths[0]) * share * share,
             angle: turn + if second { settings.cross_angle } else { 0.0 },
-            bend: 0.04 * (2.0 * numbers.next() - 1.0),
-            width: settings.width,
+            bend: BEND * (2.0 * numbers.next() - 1.0),
+            // Light tones are drawn with a light hand.
+            width: settings.width * (0.8 + 0.4 * tone + 0.4 * numbers.next()),
             tone,
             level,
         };

@@ -178,8 +178,9 @@ fn stroke_texels(stroke: &Stroke, size: f32, mut dot: impl FnMut(i32, i32, f32))
                 continue;
             }
             let off = p.dot(across) - sag * (1.0 - t * t);
-            // Thinner towards its ends, as a pen is set down and lifted.
-            let own = 0.5 * stroke.width * (1.0 - t * t * t * t).max(0.0).sqrt();
+            // Set down quickly, lifted slowly.
+            let press = (1.0 - t * t).max(0.0).powf(0.6) * (1.1 - 0.35 * t);
+            let own = 0.5 * stroke.width * press;
             let coverage = (own + 0.5 - off.abs()).clamp(0.0, 1.0);
             if coverage > 0.0 {
                 dot(x, y, coverage);
