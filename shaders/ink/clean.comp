@@ -2,18 +2,29 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
+#include "ink_style.glsl"
 
 // Removes contour pixels with too few neighbours, once: a second time would eat the ends of lines.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0) uniform sampler2D contour_map;
-layout(set = 0, binding = 1, r32f) uniform restrict writeonly image2D cleaned;
+layout(set = 0, binding = 1) uniform sampler2D ids_map;
+layout(set = 0, binding = 2, r32f) uniform restrict writeonly image2D cleaned;
 layout(push_constant, scalar) uniform Push { InkClean push; };
+
+// Pixels have styles, and this pass is about one of them.
+layout(constant_id = 0) const bool MIXED = false;
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     ivec2 size = ivec2(push.width, push.height);
     if (any(greaterThanEqual(pixel, size))) {
+        return;
+    }
+    if (MIXED && style_of(texelFetch(ids_map, pixel, 0).x) != push.style) {
+        if (push.clears != 0u) {
+            imageStore(cleaned, pixel, vec4(0.0));
+        }
         return;
     }
     float own = texelFetch(contour_map, pixel, 0).r;

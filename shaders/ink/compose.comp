@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
+#include "ink_style.glsl"
 #include "ink_tile.glsl"
 
 // Lines, strokes and washes on paper.
@@ -12,6 +13,8 @@ layout(constant_id = 1) const bool SILHOUETTE = false;
 layout(constant_id = 2) const bool HATCHING = false;
 layout(constant_id = 3) const bool SHADING = false;
 layout(constant_id = 4) const bool COLOUR = false;
+// Pixels have styles, and this pass is about one of them.
+layout(constant_id = 5) const bool MIXED = false;
 layout(set = 0, binding = 0) uniform sampler2D depth_map;
 layout(set = 0, binding = 1) uniform sampler2D albedo_map;
 layout(set = 0, binding = 2) uniform sampler2D normal_map;
@@ -20,9 +23,11 @@ layout(set = 0, binding = 4) uniform sampler2D contour_map;
 layout(set = 0, binding = 5) uniform sampler2D silhouette_map;
 layout(set = 0, binding = 6) uniform sampler2D tiles;
 layout(set = 0, binding = 7, rgba16f) uniform restrict writeonly image2D picture;
+layout(set = 0, binding = 8) uniform sampler2D ids_map;
+layout(set = 0, binding = 9, scalar) restrict readonly buffer Styles { InkStyle styles[]; };
 layout(push_constant, scalar) uniform Push { InkCompose push; };
 
-// Contours are one pixel wide: widened to the style's width.
+// Contours are one pixel wide: widened to the width of the style that they are of.
 float line(ivec2 pixel) {
     int reach = min(int(ceil(push.half_width)), INK_WIDEN);
     ivec2 last = ivec2(push.width, push.height) - 1;
@@ -30,8 +35,12 @@ float line(ivec2 pixel) {
     for (int y = -reach; y <= reach; y++) {
         for (int x = -reach; x <= reach; x++) {
             ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), last);
-            float edge = clamp(push.half_width + 0.5 - length(vec2(x, y)), 0.0, 1.0);
-            most = max(most, edge * texelFetch(contour_map, at, 0).r);
+            float found = texelFetch(contour_map, at, 0).r;
+            if (found > 0.0) {
+                InkStyle style = styles[MIXED ? style_of(texelFetch(ids_map, at, 0).x) : push.style];
+                float edge = clamp(style.half_width + 0.5 - length(vec2(x, y)), 0.0, 1.0);
+                most = max(most, style.contour * (edge * found));
+            }
         }
     }
     return most;
@@ -42,10 +51,13 @@ void main() {
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
         return;
     }
+    if (MIXED && style_of(texelFetch(ids_map, pixel, 0).x) != push.style) {
+        return;
+    }
     vec3 under = push.paper;
     float dry = 1.0;
     if (CONTOUR) {
-        dry *= 1.0 - push.contour * line(pixel);
+        dry *= 1.0 - line(pixel);
     }
     if (texelFetch(depth_map, pixel, 0).r > 0.0) {
         float tone = SHADING || HATCHING ? texelFetch(normal_map, pixel, 0).w : 1.0;

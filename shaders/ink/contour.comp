@@ -3,6 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
 #include "ink_contour.glsl"
+#include "ink_style.glsl"
 
 // Contour by differences of depth (Coconu, Deussen, Hege 2006, equation 1): 0, 1/2 or 1 for none,
 // one or more neighbours that lie farther by the threshold. The line is on the nearer side.
@@ -15,6 +16,8 @@ layout(set = 0, binding = 3, r32f) uniform restrict writeonly image2D contour;
 layout(push_constant, scalar) uniform Push { InkContour push; };
 
 layout(constant_id = 0) const bool DETAIL = false;
+// Pixels have styles, and this pass is about one of them.
+layout(constant_id = 1) const bool MIXED = false;
 
 float depth_at(ivec2 at) {
     at = clamp(at, ivec2(0), ivec2(push.width, push.height) - 1);
@@ -24,6 +27,12 @@ float depth_at(ivec2 at) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
+        return;
+    }
+    if (MIXED && style_of(texelFetch(ids_map, pixel, 0).x) != push.style) {
+        if (push.clears != 0u) {
+            imageStore(contour, pixel, vec4(0.0));
+        }
         return;
     }
     float own = depth_at(pixel);

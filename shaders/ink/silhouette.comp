@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
+#include "ink_style.glsl"
 
 // Strokes along silhouettes (Coconu, Deussen, Hege 2006, section 5): from a pixel outwards along
 // the cluster's normal to the contour gives v, the angle about the cluster gives u.
@@ -15,6 +16,9 @@ layout(set = 0, binding = 4) uniform sampler2D strokes;
 layout(set = 0, binding = 5, scalar) restrict readonly buffer Clusters { InkCluster clusters[]; };
 layout(set = 0, binding = 6, r32f) uniform restrict writeonly image2D silhouette;
 layout(push_constant, scalar) uniform Push { InkSilhouette push; };
+
+// Pixels have styles, and this pass is about one of them.
+layout(constant_id = 0) const bool MIXED = false;
 
 // Pixels from here to the contour of the same object; the reach where there is none.
 uint steps_to_contour(ivec2 pixel, vec2 outward, float object) {
@@ -37,6 +41,12 @@ uint steps_to_contour(ivec2 pixel, vec2 outward, float object) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
+        return;
+    }
+    if (MIXED && style_of(texelFetch(ids_map, pixel, 0).x) != push.style) {
+        if (push.clears != 0u) {
+            imageStore(silhouette, pixel, vec4(0.0));
+        }
         return;
     }
     vec2 ids = texelFetch(ids_map, pixel, 0).xy;

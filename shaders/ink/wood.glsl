@@ -3,8 +3,12 @@
 #include "stage1.glsl"
 #include "tone.glsl"
 #include "ink_wood.glsl"
+#include "ink_style.glsl"
 
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { InkFrame frame; };
+layout(set = 0, binding = 6, scalar) restrict readonly buffer Styles { InkStyle styles[]; };
+layout(set = 0, binding = 7, scalar) restrict readonly buffer Parts { InkPart parts[]; };
+layout(set = 0, binding = 8, scalar) restrict readonly buffer Masks { uint masks[]; };
 layout(set = 1, binding = 0) uniform sampler2D base_color_map;
 layout(push_constant, scalar) uniform Push { InkWoodDraw push; };
 
@@ -13,6 +17,22 @@ layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec2 in_texcoord;
 layout(location = 3) in vec4 in_hatch;
 layout(location = 4) flat in uint in_cluster;
+
+// The style of the first part that the pixel is in; the first style where there is none.
+uint wood_style(float depth) {
+    uint open = push.parts;
+    if (frame.masked != 0u) {
+        uvec2 pixel = min(uvec2(gl_FragCoord.xy), uvec2(frame.width, frame.height) - 1u);
+        open &= masks[pixel.y * frame.width + pixel.x];
+    }
+    for (uint i = 0u; i < min(frame.parts, 32u); i++) {
+        bool within = depth >= parts[i].nearest && depth < parts[i].farthest;
+        if ((open >> i & 1u) != 0u && within) {
+            return parts[i].style;
+        }
+    }
+    return 0u;
+}
 
 Attributes wood_attributes() {
     vec4 base = push.base_color * texture(base_color_map, in_texcoord);
@@ -24,9 +44,11 @@ Attributes wood_attributes() {
     n = gl_FrontFacing ? n : -n;
     a.albedo = base.rgb;
     a.normal = n;
-    a.tone = ink_tone(n, frame.to_sun, frame.ambient, 0.85);
     a.depth = dot(in_position - frame.eye, frame.forward);
-    a.ids = vec2(float(push.object) + 1.0, float(in_cluster));
+    uint number = wood_style(a.depth);
+    InkStyle style = styles[number];
+    a.tone = ink_tone(n, frame.to_sun, style.ambient, 0.85);
+    a.ids = vec2(style_and_object(number, push.object), float(in_cluster));
     a.direction = in_cluster > 0u ? vec2(dot(n, frame.right), -dot(n, frame.up)) : vec2(0.0);
     vec4 dx = dFdx(in_hatch);
     vec4 dy = dFdy(in_hatch);
@@ -35,7 +57,8 @@ Attributes wood_attributes() {
         float texels = sqrt(abs(dx.x * dy.y - dx.y * dy.x)) * float(INK_TILE);
         a.hatch = vec3(fract(in_hatch.xy), log2(max(texels, 1e-6)));
     } else {
-        a.hatch = wood_hatch(in_hatch, dx, dy, push.tiles, push.strokes == INK_STROKES_ALONG);
+        bool along = style.wood_strokes == INK_STROKES_ALONG;
+        a.hatch = wood_hatch(in_hatch, dx, dy, style.wood_tiles, along);
     }
     return a;
 }

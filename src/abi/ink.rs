@@ -13,12 +13,17 @@ abi! {
         INK_NORMAL: u32 = 1;
         /// Linear eye depth; 0 where nothing is.
         INK_DEPTH: u32 = 2;
-        /// Object and cluster, each plus 1; exact as floats up to 2^24.
+        /// Style and object in one (style times `INK_OBJECTS` plus object), and cluster; each plus 1.
+        /// Exact as floats up to 2^24.
         INK_IDS: u32 = 3;
         /// Projection of the cluster's normal into the picture (x right, y down), not normalised.
         INK_DIRECTION: u32 = 4;
         /// Hatch coordinates within their tile, texels of the finest level a pixel spans (log2).
         INK_HATCH: u32 = 5;
+        /// Styles of one picture at most.
+        INK_STYLES: u32 = 8;
+        /// Objects of one picture at most; the upper half are wood.
+        INK_OBJECTS: u32 = 2097152;
         /// Texels along an edge of the shape of a leaf.
         INK_SHAPE_SIZE: u32 = 160;
         /// Steps of the silhouette search at most.
@@ -53,8 +58,8 @@ abi! {
             radius: f32,
             /// Unit normal.
             normal: [f32; 3],
-            /// Cluster.
-            cluster: u32,
+            /// Object.
+            object: u32,
             /// Unit direction from base to tip, in its plane.
             axis: [f32; 3],
             /// Row of its shape.
@@ -69,10 +74,60 @@ abi! {
             texcoord_across: [f32; 2],
             /// Their change per radius along.
             texcoord_along: [f32; 2],
+        }
+
+        /// What the style of a leaf makes of it.
+        InkPlacement {
+            /// Style.
+            style: u32,
+            /// Cluster, of those of the style.
+            cluster: u32,
             /// Place in the fixed random order in which leaves are dropped, 0 to 1.
             rank: f32,
-            /// Object.
-            object: u32,
+        }
+
+        /// What stage 1 and lines need of a style.
+        InkStyle {
+            /// Towards the cluster's sphere, 0 to 1 (beta).
+            displacement: f32,
+            /// From the leaf's own normal to the cluster's, 0 to 1 (sigma).
+            orientation: f32,
+            /// From there to facing the viewer, 0 to 1.
+            facing: f32,
+            /// Factor on the size.
+            size: f32,
+            /// Threshold of the shape: 1 leaf, 0 disc (tau).
+            shape: f32,
+            /// Share of the leaves that is drawn.
+            kept: f32,
+            /// From the cluster's normal to the crown's in shading, 0 to 1.
+            crown: f32,
+            /// Packing of strokes towards the limb (c of equation 8).
+            packing: f32,
+            /// Its steps; 0: smooth.
+            packing_steps: f32,
+            /// Light from all around, 0 to 1.
+            ambient: f32,
+            /// How far crowns darken leaves within, 0 to 1.
+            depth_of_crown: f32,
+            /// Tiles of hatching per metre of wood.
+            wood_tiles: f32,
+            /// How strokes run on wood: `INK_STROKES_*`.
+            wood_strokes: u32,
+            /// Strength of contours, 0 to 1.
+            contour: f32,
+            /// Half width of contours, pixels.
+            half_width: f32,
+        }
+
+        /// Where a part of a mix is, besides its objects, materials and mask.
+        InkPart {
+            /// Least eye depth that is part of it, metres.
+            nearest: f32,
+            /// First eye depth that is not.
+            farthest: f32,
+            /// Its style.
+            style: u32,
         }
 
         /// A cluster in one view.
@@ -122,10 +177,10 @@ abi! {
             to_sun: [f32; 3],
             /// Farthest eye depth of the plants.
             farthest: f32,
-            /// Light from all around, 0 to 1.
-            ambient: f32,
-            /// How far crowns darken leaves within, 0 to 1.
-            depth_of_crown: f32,
+            /// Parts of a mix of styles; 0: one style.
+            parts: u32,
+            /// 1 where parts have masks, a word of a bit for each part per pixel.
+            masked: u32,
         }
 
         /// Push constants of leaves of one material.
@@ -134,26 +189,8 @@ abi! {
             base_color: [f32; 4],
             /// First row of the texture transform.
             texcoord_u: [f32; 3],
-            /// Towards the cluster's sphere, 0 to 1 (beta).
-            displacement: f32,
             /// Second row of the texture transform.
             texcoord_v: [f32; 3],
-            /// From the leaf's own normal to the cluster's, 0 to 1 (sigma).
-            orientation: f32,
-            /// From there to facing the viewer, 0 to 1.
-            facing: f32,
-            /// Factor on the size.
-            size: f32,
-            /// Threshold of the shape: 1 leaf, 0 disc (tau).
-            shape: f32,
-            /// Share of the leaves that is drawn.
-            kept: f32,
-            /// From the cluster's normal to the crown's in shading, 0 to 1.
-            crown: f32,
-            /// Packing of strokes towards the limb (c of equation 8).
-            packing: f32,
-            /// Its steps; 0: smooth.
-            packing_steps: f32,
         }
 
         /// Push constants of wood of one material.
@@ -168,10 +205,10 @@ abi! {
             texcoord_v: [f32; 3],
             /// Object.
             object: u32,
-            /// Tiles of hatching per metre.
-            tiles: f32,
-            /// How strokes run: `INK_STROKES_*`.
+            /// `INK_STROKES_BODY` for smooth bodies; of wood the style says how strokes run.
             strokes: u32,
+            /// Bits of the parts of a mix that it may be, by its object and material.
+            parts: u32,
         }
 
         /// Push constants of the hatch coordinates of many places.
@@ -206,6 +243,10 @@ abi! {
             detail: f32,
             /// Power of the cosine in it (q).
             detail_power: f32,
+            /// Style whose pixels are worked on, in a mix.
+            style: u32,
+            /// Whether pixels of other styles are set to nothing, instead of left as they are.
+            clears: u32,
         }
 
         /// Push constants of the removal of isolated pixels.
@@ -216,6 +257,10 @@ abi! {
             height: u32,
             /// Neighbours that a contour pixel needs to stay.
             neighbours: u32,
+            /// Style whose pixels are worked on, in a mix.
+            style: u32,
+            /// Whether pixels of other styles are set to nothing, instead of left as they are.
+            clears: u32,
         }
 
         /// Push constants of the silhouette.
@@ -232,6 +277,10 @@ abi! {
             aspect: f32,
             /// Whether two channels are blended instead of one chosen.
             blend: u32,
+            /// Style whose pixels are worked on, in a mix.
+            style: u32,
+            /// Whether pixels of other styles are set to nothing, instead of left as they are.
+            clears: u32,
         }
 
         /// Push constants of the composition.
@@ -244,9 +293,7 @@ abi! {
             ink: [f32; 3],
             /// Pixels down.
             height: u32,
-            /// Strength of contours, silhouette strokes, hatching; 0 to 1.
-            contour: f32,
-            /// Strength of the silhouette.
+            /// Strength of silhouette strokes, 0 to 1.
             silhouette: f32,
             /// Strength of hatching.
             hatching: f32,
@@ -254,8 +301,10 @@ abi! {
             colour: f32,
             /// Share of shading in what is under the lines.
             shading: f32,
-            /// Half width of contours, pixels.
+            /// Half width of the widest contours, pixels.
             half_width: f32,
+            /// Style whose pixels are composed.
+            style: u32,
             /// Steps of shading; 0: smooth.
             steps: f32,
             /// Tone from which on nothing is hatched.

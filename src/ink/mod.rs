@@ -6,6 +6,7 @@ pub mod branches;
 pub mod clusters;
 mod images;
 pub mod leaves;
+pub mod mix;
 pub mod motion;
 pub mod plan;
 pub mod plant;

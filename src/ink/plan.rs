@@ -72,6 +72,15 @@ impl Attribute {
     }
 }
 
+/// Every pass, in the order in which they run.
+pub const PASSES: [&str; 5] = [
+    "ink stage 1",
+    "ink contour",
+    "ink clean",
+    "ink silhouette",
+    "ink compose",
+];
+
 /// What a picture in a style takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct InkPlan {
@@ -128,25 +137,28 @@ impl InkPlan {
     /// Passes in their order.
     #[must_use]
     pub fn passes(&self) -> Vec<&'static str> {
-        let all = [
-            (true, "ink stage 1"),
-            (self.contour, "ink contour"),
-            (self.contour, "ink clean"),
-            (self.silhouette, "ink silhouette"),
-            (true, "ink compose"),
-        ];
-        all.iter().filter(|p| p.0).map(|p| p.1).collect()
+        let has = |pass: &&str| match *pass {
+            "ink contour" | "ink clean" => self.contour,
+            "ink silhouette" => self.silhouette,
+            _ => true,
+        };
+        PASSES.into_iter().filter(has).collect()
     }
 
     /// Bytes of the images of stage 1 and 2 for a picture of `size` pixels.
     #[must_use]
     pub fn bytes(&self, [width, height]: [u32; 2]) -> u64 {
-        let pixels = u64::from(width) * u64::from(height);
-        let stage1: u64 = self.attributes().iter().map(|a| a.format().bytes()).sum();
         let lines = 2 * u64::from(self.contour) + u64::from(self.silhouette);
-        let depth = Format::Depth32.bytes();
-        pixels * (stage1 + depth + lines + Format::Rgba16Float.bytes())
+        bytes_per_pixel(&self.attributes(), lines) * u64::from(width) * u64::from(height)
     }
+}
+
+/// Bytes of all images for one pixel: the attributes, the depth test's, `lines` of lines and the
+/// picture.
+pub(super) fn bytes_per_pixel(attributes: &[Attribute], lines: u64) -> u64 {
+    let stage1: u64 = attributes.iter().map(|a| a.format().bytes()).sum();
+    let depth = Format::Depth32.bytes();
+    stage1 + depth + lines * Format::R32Float.bytes() + Format::Rgba16Float.bytes()
 }
 
 #[cfg(test)]

@@ -20,13 +20,17 @@ const SHAPES: usize = 64;
 /// Alpha from which on a blended material is leaf.
 const BLEND_CUTOFF: f32 = 0.5;
 
-/// A plant, ready to be drawn in any style of one cluster radius.
+/// A plant, ready to be drawn in styles of the cluster radii that it was gathered for.
 #[derive(Debug, Clone)]
 pub struct Plant {
     /// Leaves, those of one material after the other.
     pub leaves: Vec<Leaf>,
-    /// Their clusters.
-    pub clusters: Clusters,
+    /// Their clusters, once for each way of gathering them that a style has.
+    pub clusters: Vec<Clusters>,
+    /// Which of them are those of each style.
+    pub set_of_style: Vec<usize>,
+    /// Names of the objects that leaves and wood are of.
+    pub objects: Vec<String>,
     /// Shapes that leaves name.
     pub shapes: Vec<Shape>,
     /// Shape of each leaf.
@@ -66,10 +70,10 @@ impl Plant {
         triangles: LeafTriangles<'_>,
         foliage: &[bool],
         light: Option<CrownLight<'_>>,
-        style: &Style,
+        styles: &[Style],
     ) -> Result<Self> {
         let crown = (foliage, light);
-        Self::gathered(model, geometry, triangles, crown, style, Clusters::new)
+        Self::gathered(model, geometry, triangles, crown, styles, Clusters::new)
     }
 
     /// The same with clusters that `gather` makes or knows from leaves' centres, the largest radius
@@ -82,11 +86,12 @@ impl Plant {
         geometry: &Geometry,
         triangles: LeafTriangles<'_>,
         (foliage, light): (&[bool], Option<CrownLight<'_>>),
-        style: &Style,
-        gather: impl FnOnce(&[Vec3], f32, Choice) -> Result<Clusters>,
+        styles: &[Style],
+        gather: impl Fn(&[Vec3], f32, Choice) -> Result<Clusters>,
     ) -> Result<Self> {
         let (mut found, kept) = leaves(model, geometry, triangles);
-        if found.is_empty() && !style.bodies.smooth {
+        let first = &styles[0];
+        if found.is_empty() && !first.bodies.smooth {
             return Err(Error::usage(format!(
                 "{}: has no leaves that a style could draw",
                 model.name
@@ -98,13 +103,7 @@ impl Plant {
         found = order.iter().map(|&i| found[i]).collect();
         crown = order.iter().map(|&i| crown[i]).collect();
         let centres: Vec<Vec3> = found.iter().map(|l| l.centre).collect();
-        let choice = if style.leaves.first_fit {
-            Choice::First
-        } else {
-            Choice::Smallest
-        };
-        let radius = style.leaves.cluster_radius * diagonal(&centres).max(f32::MIN_POSITIVE);
-        let mut clusters = gather(&centres, radius, choice)?;
+        let (mut clusters, set_of_style) = sets(&centres, styles, gather)?;
         let (shapes, shape_of) = shapes(model, geometry, triangles, &kept, &found, &order)?;
         let mut radii: Vec<f32> = found.iter().map(|l| l.radius).collect();
         radii.sort_by(f32::total_cmp);
@@ -123,13 +122,13 @@ impl Plant {
                 (p.material, p.instance, range.start as u32..range.end as u32)
             })
             .collect();
-        let bodies = bodies(geometry, &wood, style)?;
-        let first_body_cluster = clusters.len() as u32;
-        clusters.clusters.extend(&bodies.clusters);
+        let bodies = bodies(geometry, &wood, first)?;
+        let first_body_cluster = clusters[0].len() as u32;
+        clusters[0].clusters.extend(&bodies.clusters);
         Ok(Self {
             leaf_radius: radii.get(radii.len() / 2).copied().unwrap_or_default(),
             // Bodies are drawn instead of wood.
-            wood: if style.bodies.smooth {
+            wood: if first.bodies.smooth {
                 Vec::new()
             } else {
                 wood
@@ -138,6 +137,8 @@ impl Plant {
             first_body_cluster,
             leaves: found,
             clusters,
+            set_of_style,
+            objects: model.instances.iter().map(|i| i.name.clone()).collect(),
             shapes,
             shape_of,
             crown,
@@ -145,16 +146,17 @@ impl Plant {
         })
     }
 
-    /// For each cluster the middle of its object's clusters. A cluster's object is that of its first
-    /// leaf.
+    /// For each cluster of a style the middle of its object's clusters. A cluster's object is that
+    /// of its first leaf.
     #[must_use]
-    pub fn object_centres(&self) -> Vec<DVec3> {
-        let mut object_of = vec![None; self.clusters.len()];
-        for (leaf, &cluster) in self.leaves.iter().zip(&self.clusters.of_leaf) {
+    pub fn object_centres(&self, style: usize) -> Vec<DVec3> {
+        let set = self.clusters_of(style);
+        let mut object_of = vec![None; set.len()];
+        for (leaf, &cluster) in self.leaves.iter().zip(&set.of_leaf) {
             object_of[cluster as usize].get_or_insert(leaf.instance);
         }
         let mut sums: HashMap<Option<u32>, (DVec3, f64)> = HashMap::new();
-        for (object, cluster) in object_of.iter().zip(&self.clusters.clusters) {
+        for (object, cluster) in object_of.iter().zip(&set.clusters) {
             let sum = sums.entry(*object).or_default();
             *sum = (sum.0 + cluster.centre.as_dvec3(), sum.1 + 1.0);
         }
@@ -162,9 +164,27 @@ impl Plant {
         object_of.iter().map(middle).collect()
     }
 
-    /// The leaves as kernels see them. `seed` fixes the order in which they are dropped.
+    /// Clusters of a style.
     #[must_use]
-    pub fn records(&self, seed: u32) -> Vec<InkLeaf> {
+    pub fn clusters_of(&self, style: usize) -> &Clusters {
+        &self.clusters[self.set_of_style[style]]
+    }
+
+    /// Number of the first cluster of each style where those of all styles stand one after the
+    /// other, closed by their total. Styles share clusters here, but not there: hatching makes
+    /// them different.
+    #[must_use]
+    pub fn first_clusters(&self) -> Vec<u32> {
+        let mut first = vec![0];
+        for &set in &self.set_of_style {
+            first.push(first[first.len() - 1] + self.clusters[set].len() as u32);
+        }
+        first
+    }
+
+    /// The leaves as kernels see them.
+    #[must_use]
+    pub fn records(&self) -> Vec<InkLeaf> {
         let record = |(i, leaf): (usize, &Leaf)| {
             let (crown_normal, ambient) = self.crown[i];
             let across = leaf.texcoord_per_metre.x_axis * leaf.radius;
@@ -173,7 +193,7 @@ impl Plant {
                 centre: leaf.centre.to_array(),
                 radius: leaf.radius,
                 normal: leaf.normal.to_array(),
-                cluster: self.clusters.of_leaf[i],
+                object: leaf.instance,
                 axis: leaf.axis.to_array(),
                 shape: self.shape_of[i],
                 crown_normal: crown_normal.to_array(),
@@ -181,8 +201,6 @@ impl Plant {
                 texcoord: leaf.texcoord.to_array(),
                 texcoord_across: across.to_array(),
                 texcoord_along: along.to_array(),
-                rank: rank(i as u32, seed),
-                object: leaf.instance,
             }
         };
         self.leaves.iter().enumerate().map(record).collect()
@@ -203,12 +221,40 @@ fn bodies(
 }
 
 /// A number in [0, 1) of a leaf: its place in the order in which leaves are dropped.
-fn rank(leaf: u32, seed: u32) -> f32 {
+pub(super) fn rank(leaf: u32, seed: u32) -> f32 {
     let mut x = leaf ^ seed.wrapping_mul(0x9e37_79b9);
     // lowbias32 (Wellons 2018).
     x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
     x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
     ((x ^ (x >> 16)) >> 8) as f32 / 16_777_216.0
+}
+
+/// Clusters for every way of gathering that the styles have, and which is each style's.
+fn sets(
+    centres: &[Vec3],
+    styles: &[Style],
+    gather: impl Fn(&[Vec3], f32, Choice) -> Result<Clusters>,
+) -> Result<(Vec<Clusters>, Vec<usize>)> {
+    let way = |s: &Style| (s.leaves.cluster_radius, s.leaves.first_fit);
+    let diagonal = diagonal(centres).max(f32::MIN_POSITIVE);
+    let mut ways: Vec<(f32, bool)> = Vec::new();
+    let mut clusters = Vec::new();
+    let mut of_style = Vec::new();
+    for style in styles {
+        let (radius, first_fit) = way(style);
+        let known = ways.iter().position(|w| *w == way(style));
+        of_style.push(known.unwrap_or(ways.len()));
+        if known.is_none() {
+            let choice = if first_fit {
+                Choice::First
+            } else {
+                Choice::Smallest
+            };
+            clusters.push(gather(centres, radius * diagonal, choice)?);
+            ways.push((radius, first_fit));
+        }
+    }
+    Ok((clusters, of_style))
 }
 
 fn diagonal(points: &[Vec3]) -> f32 {

@@ -74,7 +74,7 @@ impl View {
 
     /// What kernels need of the view.
     #[must_use]
-    pub fn frame(&self, ambient: f32, depth_of_crown: f32) -> InkFrame {
+    pub fn frame(&self) -> InkFrame {
         let [right, up, _] = self.camera.basis();
         InkFrame {
             relative_to_clip: self.camera.relative_to_clip(self.origin).to_cols_array_2d(),
@@ -88,8 +88,8 @@ impl View {
             nearest: self.depths[0],
             to_sun: self.to_sun.to_array(),
             farthest: self.depths[1],
-            ambient,
-            depth_of_crown,
+            parts: 0,
+            masked: 0,
         }
     }
 

@@ -4,8 +4,8 @@
 use glam::{DVec2, DVec3};
 
 use crate::abi::{
-    INK_DEPTH_MAPPED, INK_LEVELS, INK_TILE, INK_WALK, InkClean, InkCluster, InkContour, InkLeaf,
-    InkSilhouette,
+    INK_DEPTH_MAPPED, INK_LEVELS, INK_OBJECTS, INK_TILE, INK_WALK, InkClean, InkCluster,
+    InkContour, InkLeaf, InkSilhouette,
 };
 
 /// Depth as contours compare it: `contour_depth` of `ink_contour.glsl`.
@@ -18,6 +18,16 @@ pub fn contour_depth(depth: f64, push: &InkContour) -> f64 {
         far * (depth - near) / (depth * (far - near))
     } else {
         (depth - near) / (far - near)
+    }
+}
+
+/// Style of a pixel by the first of its ids, 0 where nothing is: `style_of` of `ink_style.glsl`.
+#[must_use]
+pub fn style_of(id: f64) -> u32 {
+    if id > 0.0 {
+        (id - 1.0) as u32 / INK_OBJECTS
+    } else {
+        0
     }
 }
 
@@ -291,6 +301,7 @@ mod tests {
             width: w,
             height: h,
             neighbours: 2,
+            ..InkClean::default()
         };
         let mut line = vec![0.0_f32; (w * h) as usize];
         line[(6 * w + 3) as usize] = 1.0;

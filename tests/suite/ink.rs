@@ -5,6 +5,7 @@ use std::f32::consts::TAU;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use umbrage::abi::{InkCluster, InkLeaf};
 use umbrage::ink::leaves::LeafTriangles;
+use umbrage::ink::mix::Mix;
 use umbrage::ink::plan::Attribute;
 use umbrage::ink::plant::Plant;
 use umbrage::ink::renderer::{Drawing, InkRenderer, InkScene};
@@ -61,6 +62,7 @@ struct Drawn {
     drawing: Drawing,
     view: View,
     leaves: Vec<InkLeaf>,
+    of_leaf: Vec<u32>,
     clusters: Vec<InkCluster>,
 }
 
@@ -77,7 +79,15 @@ fn draw(discs: &[Disc], style: &Style, size: [u32; 2]) -> Drawn {
         first: &first,
         triangles: &triangles,
     };
-    let plant = Plant::new(&model, &geometry, list, &[true], None, style).unwrap();
+    let plant = Plant::new(
+        &model,
+        &geometry,
+        list,
+        &[true],
+        None,
+        std::slice::from_ref(style),
+    )
+    .unwrap();
     let camera = Camera {
         eye: DVec3::ZERO,
         forward: DVec3::NEG_Z,
@@ -92,11 +102,12 @@ fn draw(discs: &[Disc], style: &Style, size: [u32; 2]) -> Drawn {
         geometry: &geometry,
         plant: &plant,
     };
-    let renderer = InkRenderer::new(&gpu, &scene, style, &view, 1).unwrap();
+    let renderer = InkRenderer::new(&gpu, &scene, &Mix::single(style.clone()), &view, 1).unwrap();
     let wanted = [Attribute::Depth, Attribute::Ids, Attribute::Hatch];
     Drawn {
         drawing: renderer.draw_with(&scene, &view, &wanted).unwrap(),
-        leaves: plant.records(style.seed),
+        leaves: plant.records(),
+        of_leaf: plant.clusters_of(0).of_leaf.clone(),
         clusters: renderer.cluster_records(&scene, &view),
         view,
     }
@@ -301,8 +312,8 @@ fn hatching_and_places_of_leaves_are_those_of_their_twins() {
         seen += 1;
     }
     assert!(seen > 100, "{seen} pixels");
-    for leaf in &drawn.leaves {
-        let cluster = &drawn.clusters[leaf.cluster as usize];
+    for (leaf, cluster) in drawn.leaves.iter().zip(&drawn.of_leaf) {
+        let cluster = &drawn.clusters[*cluster as usize];
         let (place, _) = twin::displaced(leaf, cluster, 1.0);
         let (pixel, expected) = drawn.view.pixel(place);
         let there = pixel.y as usize * 480 + pixel.x as usize;

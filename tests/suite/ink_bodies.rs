@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3, Vec3};
 use umbrage::ink::leaves::LeafTriangles;
+use umbrage::ink::mix::Mix;
 use umbrage::ink::plan::Attribute;
 use umbrage::ink::plant::Plant;
 use umbrage::ink::renderer::{InkRenderer, InkScene};
@@ -29,7 +30,15 @@ fn pixels_of_a_body_have_the_coordinates_of_their_cluster() {
     let model = rabbit();
     let geometry = Geometry::flatten(&model);
     let style = Style::named("smooth").unwrap();
-    let plant = Plant::new(&model, &geometry, NO_LEAVES, &[false], None, &style).unwrap();
+    let plant = Plant::new(
+        &model,
+        &geometry,
+        NO_LEAVES,
+        &[false],
+        None,
+        std::slice::from_ref(&style),
+    )
+    .unwrap();
     let size = [200, 160];
     let camera = Camera {
         eye: DVec3::new(0.0, 0.2, 1.0),
@@ -45,7 +54,7 @@ fn pixels_of_a_body_have_the_coordinates_of_their_cluster() {
         geometry: &geometry,
         plant: &plant,
     };
-    let renderer = InkRenderer::new(&gpu, &scene, &style, &view, 1).unwrap();
+    let renderer = InkRenderer::new(&gpu, &scene, &Mix::single(style.clone()), &view, 1).unwrap();
     let wanted = [Attribute::Depth, Attribute::Ids, Attribute::Hatch];
     let drawing = renderer.draw_with(&scene, &view, &wanted).unwrap();
     let clusters = renderer.cluster_records(&scene, &view);

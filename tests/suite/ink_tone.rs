@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 use umbrage::foliage::{Leaves, Primitive, Split};
 use umbrage::ink::leaves::LeafTriangles;
+use umbrage::ink::mix::Mix;
 use umbrage::ink::plan::Attribute;
 use umbrage::ink::plant::Plant;
 use umbrage::ink::renderer::{InkRenderer, InkScene};
@@ -61,7 +62,15 @@ fn shrub(hatching: &str) -> Hatched {
     ))
     .unwrap();
     let foliage = &split.foliage_parts;
-    let plant = Plant::new(&model, &geometry, triangles, foliage, None, &style).unwrap();
+    let plant = Plant::new(
+        &model,
+        &geometry,
+        triangles,
+        foliage,
+        None,
+        std::slice::from_ref(&style),
+    )
+    .unwrap();
     let camera = Camera {
         eye: DVec3::new(0.0, 1.0, 4.0),
         forward: DVec3::NEG_Z,
@@ -77,7 +86,7 @@ fn shrub(hatching: &str) -> Hatched {
         geometry: &geometry,
         plant: &plant,
     };
-    let renderer = InkRenderer::new(&gpu, &scene, &style, &view, 1).unwrap();
+    let renderer = InkRenderer::new(&gpu, &scene, &Mix::single(style.clone()), &view, 1).unwrap();
     let wanted = [Attribute::Depth, Attribute::Normal, Attribute::Hatch];
     let drawing = renderer.draw_with(&scene, &view, &wanted).unwrap();
     let of = |a: Attribute| &drawing.attributes.iter().find(|x| x.0 == a).unwrap().1;

@@ -4,6 +4,7 @@ use std::f32::consts::TAU;
 
 use glam::{DVec2, DVec3, Vec3};
 use umbrage::ink::leaves::LeafTriangles;
+use umbrage::ink::mix::Mix;
 use umbrage::ink::plan::Attribute;
 use umbrage::ink::plant::Plant;
 use umbrage::ink::renderer::{InkRenderer, InkScene};
@@ -68,7 +69,15 @@ fn drawn(axis: Vec3, along: &str) -> (Vec<(DVec2, DVec3)>, f64) {
          [hatching]\nstrength = 1.0\nscale = 0.05\nwood = \"{along}\"\n"
     ));
     let style = style.unwrap();
-    let plant = Plant::new(&model, &geometry, list, &[false, true], None, &style).unwrap();
+    let plant = Plant::new(
+        &model,
+        &geometry,
+        list,
+        &[false, true],
+        None,
+        std::slice::from_ref(&style),
+    )
+    .unwrap();
     let size = [240, 180];
     let camera = Camera {
         eye: DVec3::new(0.3, 0.2, 3.0),
@@ -84,7 +93,7 @@ fn drawn(axis: Vec3, along: &str) -> (Vec<(DVec2, DVec3)>, f64) {
         geometry: &geometry,
         plant: &plant,
     };
-    let renderer = InkRenderer::new(&gpu, &scene, &style, &view, 1).unwrap();
+    let renderer = InkRenderer::new(&gpu, &scene, &Mix::single(style.clone()), &view, 1).unwrap();
     let wanted = [Attribute::Depth, Attribute::Ids, Attribute::Hatch];
     let drawing = renderer.draw_with(&scene, &view, &wanted).unwrap();
     let bytes = |wanted: Attribute| {

@@ -25,6 +25,7 @@ mod gpu;
 mod grow;
 mod ink;
 mod ink_bodies;
+mod ink_mix;
 mod ink_motion;
 mod ink_strokes;
 mod ink_tone;

@@ -35,6 +35,17 @@ impl Place {
             .expect("the program starts")
     }
 
+    /// Runs the program here with a variable of the environment.
+    pub(crate) fn umbrage_with(&self, arguments: &[&str], variable: &str, value: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_umbrage"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .env("XDG_CACHE_HOME", self.path("cache"))
+            .env(variable, value)
+            .output()
+            .expect("the program starts")
+    }
+
     /// Runs the program where the loader finds no driver.
     pub(crate) fn umbrage_without_driver(&self, arguments: &[&str]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_umbrage"))

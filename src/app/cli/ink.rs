@@ -6,8 +6,8 @@ use clap::Args;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Pen and ink")]
 pub struct InkArgs {
-    /// Draws instead of showing a view: full, minimal, outline, silhouette-hatching,
-    /// smooth, or a style file (.toml)
+    /// Draws instead of showing a view: full, minimal, mixed, outline, silhouette-hatching,
+    /// smooth, or a style or mix file (.toml)
     #[arg(long, value_name = "STYLE|FILE", conflicts_with_all = ["view", "compare", "lighting"])]
     pub style: Option<String>,
     /// Pixels drawn for one of the picture, along each axis, 1 to 4; 1 is the paper's

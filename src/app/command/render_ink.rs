@@ -13,8 +13,8 @@ use crate::app::timing::Timings;
 use crate::app::{Context, Report, clusters, console};
 use crate::foliage::{Leaves, Primitive};
 use crate::ink::leaves::LeafTriangles;
+use crate::ink::mix::{Mix, MixPlan};
 use crate::ink::motion::Track;
-use crate::ink::plan::InkPlan;
 use crate::ink::plant::{CrownLight, Plant};
 use crate::ink::renderer::{Drawing, InkRenderer, InkScene};
 use crate::ink::style::Style;
@@ -31,7 +31,7 @@ use crate::{Error, Result};
 /// Wrong input, style or settings, a model without leaves, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     let named = args.ink.style.as_deref().unwrap_or_default();
-    let style = Style::named(named)?;
+    let mix = Mix::named(named)?;
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &["png", "jpg", "jpeg"])?;
     let [source] = args.inputs.as_slice() else {
@@ -48,19 +48,19 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     let textures = &args.model.textures;
     let prepared = Prepared::new(source, textures, pattern, &args.settings, &mut timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
-    let plan = InkPlan::new(&style);
-    let split = if style.bodies.smooth {
+    let plan = MixPlan::new(&mix);
+    let split = if mix.styles[0].bodies.smooth {
         prepared.split_with_or_without()?
     } else {
         prepared.split()?
     };
-    let baked = if plan.crown && !split.foliage_indices.is_empty() {
+    let baked = if plan.any(|s| s.crown) && !split.foliage_indices.is_empty() {
         Some(prepared.bake(context, &mut timings)?.bake)
     } else {
         None
     };
     let (model, geometry) = (&prepared.input.model, &prepared.geometry);
-    let plant = timings.measure("leaves and clusters", || {
+    let mut plant = timings.measure("leaves and clusters", || {
         let indices = &split.foliage_indices;
         let leaves = Leaves::new(&geometry.positions, indices, Primitive::Leaf);
         let triangles = LeafTriangles {
@@ -74,10 +74,12 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         });
         let foliage = &split.foliage_parts;
         let crown = (foliage.as_slice(), light);
-        Plant::gathered(model, geometry, triangles, crown, &style, |c, r, choice| {
+        let styles = &mix.styles;
+        Plant::gathered(model, geometry, triangles, crown, styles, |c, r, choice| {
             clusters::gather(&context.cache(), c, r, choice)
         })
     })?;
+    name_objects(&mut plant, &prepared);
     let factor = args.ink.ink_supersample;
     let size = settings.size.map(|s| s * factor);
     let lens = Lens {
@@ -104,10 +106,10 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     };
     let _working = console::working("drawing");
     let mut renderer = timings.measure("upload", || {
-        InkRenderer::new(context.gpu()?, &scene, &style, &view, factor)
+        InkRenderer::new(context.gpu()?, &scene, &mix, &view, factor)
     })?;
     if let (Some(animation), Some(path)) = (animation, path) {
-        let mut track = Track::new(args.motion.hatch_mode.into(), centres(&plant, &style));
+        let mut track = Track::new(args.motion.hatch_mode.into(), centres(&plant, &mix));
         let files = animation.write(&path, |frame| {
             let points = geometry.positions.iter().copied();
             let camera = path.camera(f64::from(frame), lens.aspect, geometry.origin, points);
@@ -125,32 +127,45 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     if let Some(output) = output {
         output.commit(&encode(&picture, &args.output)?)?;
     }
+    let cluster_count: usize = plant.clusters.iter().map(|set| set.len()).sum();
     let mut text = format!(
         "{}: {}x{}, {} leaves in {} clusters\n",
         args.output.display(),
         picture.width,
         picture.height,
         plant.leaves.len(),
-        plant.clusters.len()
+        cluster_count
     );
     if context.timings() {
         text += &format!("\n{}", timings.table());
     }
     let json = json!({
-        "output": args.output, "style": named, "width": picture.width, "height": picture.height,
-        "leaves": plant.leaves.len(), "clusters": plant.clusters.len(),
+        "output": args.output, "style": named, "styles": mix.names,
+        "width": picture.width, "height": picture.height,
+        "leaves": plant.leaves.len(), "clusters": cluster_count,
         "passes": plan.passes(), "image_bytes": plan.bytes(size), "times": timings.json(),
     });
     Ok(Report::new(text, json))
 }
 
-/// What the hatching of each cluster goes about.
-fn centres(plant: &Plant, style: &Style) -> Vec<DVec3> {
-    if style.hatching.per_object {
-        plant.object_centres()
-    } else {
-        let clusters = plant.clusters.clusters.iter();
+/// What the hatching of each cluster goes about, those of one style after the other.
+fn centres(plant: &Plant, mix: &Mix) -> Vec<DVec3> {
+    let of_style = |(k, style): (usize, &Style)| {
+        if style.hatching.per_object {
+            return plant.object_centres(k);
+        }
+        let clusters = plant.clusters_of(k).clusters.iter();
         clusters.map(|c| c.centre.as_dvec3()).collect()
+    };
+    mix.styles.iter().enumerate().flat_map(of_style).collect()
+}
+
+/// Objects of a scene are named by its plants too: `plant/node`.
+fn name_objects(plant: &mut Plant, prepared: &Prepared) {
+    for placed in &prepared.input.plants {
+        for instance in placed.instances.clone() {
+            plant.objects[instance].insert_str(0, &format!("{}/", placed.name));
+        }
     }
 }
 

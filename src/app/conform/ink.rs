@@ -5,8 +5,8 @@ use glam::DVec2;
 use super::{Case, Outcome};
 use crate::Result;
 use crate::abi::{
-    INK_BAND_LENGTH, INK_BAND_WIDTH, INK_DEPTH_LINEAR, INK_DEPTH_MAPPED, InkClean, InkCluster,
-    InkContour, InkSilhouette,
+    INK_BAND_LENGTH, INK_BAND_WIDTH, INK_DEPTH_LINEAR, INK_DEPTH_MAPPED, INK_OBJECTS, InkClean,
+    InkCluster, InkContour, InkSilhouette,
 };
 use crate::gpu::shaders::ink as shaders;
 use crate::gpu::{
@@ -20,6 +20,9 @@ use crate::reference::ink as twin;
 const SIZE: [u32; 2] = [75, 50];
 /// Discs.
 const DISCS: u32 = 24;
+/// Styles of a picture: one, or three of which the second is worked on.
+const ALONE: u32 = 1;
+const STYLES: u32 = 3;
 /// Differences of depth so near to the threshold are left to rounding.
 const MARGIN: f64 = 1e-6;
 
@@ -27,27 +30,39 @@ pub(super) fn cases() -> Vec<Case> {
     vec![
         Case {
             name: "ink.contour.linear",
-            run: |gpu| contour(gpu, INK_DEPTH_LINEAR, false),
+            run: |gpu| contour(gpu, INK_DEPTH_LINEAR, (false, ALONE)),
         },
         Case {
             name: "ink.contour.mapped",
-            run: |gpu| contour(gpu, INK_DEPTH_MAPPED, false),
+            run: |gpu| contour(gpu, INK_DEPTH_MAPPED, (false, ALONE)),
         },
         Case {
             name: "ink.contour.detail",
-            run: |gpu| contour(gpu, INK_DEPTH_LINEAR, true),
+            run: |gpu| contour(gpu, INK_DEPTH_LINEAR, (true, ALONE)),
+        },
+        Case {
+            name: "ink.contour.mixed",
+            run: |gpu| contour(gpu, INK_DEPTH_LINEAR, (true, STYLES)),
         },
         Case {
             name: "ink.clean",
-            run: clean,
+            run: |gpu| clean(gpu, ALONE),
+        },
+        Case {
+            name: "ink.clean.mixed",
+            run: |gpu| clean(gpu, STYLES),
         },
         Case {
             name: "ink.silhouette",
-            run: |gpu| silhouette(gpu, 0),
+            run: |gpu| silhouette(gpu, 0, ALONE),
         },
         Case {
             name: "ink.silhouette.blend",
-            run: |gpu| silhouette(gpu, 1),
+            run: |gpu| silhouette(gpu, 1, ALONE),
+        },
+        Case {
+            name: "ink.silhouette.mixed",
+            run: |gpu| silhouette(gpu, 0, STYLES),
         },
     ]
 }
@@ -63,7 +78,7 @@ struct Attributes {
 }
 
 impl Attributes {
-    fn new() -> Self {
+    fn new(styles: u32) -> Self {
         let pixels = (SIZE[0] * SIZE[1]) as usize;
         let mut out = Self {
             depth: vec![0.0; pixels],
@@ -74,13 +89,13 @@ impl Attributes {
             clusters: Vec::new(),
         };
         for disc in 0..DISCS {
-            out.disc(disc);
+            out.disc(disc, styles);
         }
         out
     }
 
     /// A disc of its own depth, over what lies behind; every eighth is wood.
-    fn disc(&mut self, number: u32) {
+    fn disc(&mut self, number: u32, styles: u32) {
         let u = |k: u32| uniform(77, 8 * number + k);
         let centre = DVec2::new(u(0) * f64::from(SIZE[0]), u(1) * f64::from(SIZE[1]));
         let radius = 4.0 + 9.0 * u(2);
@@ -105,7 +120,8 @@ impl Attributes {
             }
             self.depth[at] = depth;
             let cluster = if leaf { number as f32 + 1.0 } else { 0.0 };
-            self.ids[at] = [(number / 5) as f32 + 1.0, cluster];
+            let object = number % styles * INK_OBJECTS + number / 5;
+            self.ids[at] = [object as f32 + 1.0, cluster];
             self.direction[at] = if leaf {
                 away.as_vec2().to_array()
             } else {
@@ -115,6 +131,11 @@ impl Attributes {
             self.normal[at] = [0.0, 0.0, 1.0, tone];
             self.tone[at] = tone;
         }
+    }
+
+    /// Whether a picture of several styles has the pixel in another than the one worked on.
+    fn is_foreign(&self, pixel: usize, styles: u32) -> bool {
+        styles > 1 && twin::style_of(f64::from(self.ids[pixel][0])) != 1
     }
 
     fn pixels(&self) -> twin::Pixels<'_> {
@@ -161,7 +182,7 @@ fn run<P: bytemuck::Pod>(
     Ok(bytemuck::pod_collect_to_vec(&done.take(read)))
 }
 
-fn contour_push(mapping: u32) -> InkContour {
+fn contour_push(mapping: u32, styles: u32) -> InkContour {
     InkContour {
         width: SIZE[0],
         height: SIZE[1],
@@ -172,11 +193,13 @@ fn contour_push(mapping: u32) -> InkContour {
         farthest: 8.5,
         detail: 4.0,
         detail_power: 1.5,
+        style: u32::from(styles > 1),
+        clears: 1,
     }
 }
 
-fn contour(gpu: &Gpu, mapping: u32, detail: bool) -> Result<Outcome> {
-    let a = Attributes::new();
+fn contour(gpu: &Gpu, mapping: u32, (detail, styles): (bool, u32)) -> Result<Outcome> {
+    let a = Attributes::new(styles);
     let plain = gpu.sampler(&SamplerInfo::default())?;
     let images = [
         texture(gpu, Format::R32Float, SIZE, &a.depth)?,
@@ -184,8 +207,8 @@ fn contour(gpu: &Gpu, mapping: u32, detail: bool) -> Result<Outcome> {
         texture(gpu, Format::Rg32Float, SIZE, &a.direction)?,
     ];
     let bound: Vec<_> = images.iter().map(|i| (i, &plain)).collect();
-    let push = contour_push(mapping);
-    let constants = [(0, u32::from(detail))];
+    let push = contour_push(mapping, styles);
+    let constants = [(0, u32::from(detail)), (1, u32::from(styles > 1))];
     let found = run(
         gpu,
         (shaders::CONTOUR_COMP, &constants),
@@ -195,7 +218,12 @@ fn contour(gpu: &Gpu, mapping: u32, detail: bool) -> Result<Outcome> {
     )?;
     let width = i64::from(SIZE[0]);
     let expected: Vec<(f64, f64)> = (0..found.len() as i64)
-        .map(|i| twin::contour(&push, detail, &a.pixels(), i % width, i / width))
+        .map(|i| {
+            if a.is_foreign(i as usize, styles) {
+                return (0.0, f64::INFINITY);
+            }
+            twin::contour(&push, detail, &a.pixels(), i % width, i / width)
+        })
         .collect();
     let error = |got: &f32, want: &(f64, f64)| {
         if want.1 < MARGIN {
@@ -213,25 +241,34 @@ fn lines() -> Vec<f32> {
     (0..SIZE[0] * SIZE[1]).map(one).collect()
 }
 
-fn clean(gpu: &Gpu) -> Result<Outcome> {
+fn clean(gpu: &Gpu, styles: u32) -> Result<Outcome> {
     let plain = gpu.sampler(&SamplerInfo::default())?;
     let lines = lines();
     let image = texture(gpu, Format::R32Float, SIZE, &lines)?;
+    let a = Attributes::new(styles);
+    let ids = texture(gpu, Format::Rg32Float, SIZE, &a.ids)?;
     let push = InkClean {
         width: SIZE[0],
         height: SIZE[1],
         neighbours: 3,
+        style: u32::from(styles > 1),
+        clears: 1,
     };
     let found = run(
         gpu,
-        (shaders::CLEAN_COMP, &[]),
-        &[(&image, &plain)],
+        (shaders::CLEAN_COMP, &[(0, u32::from(styles > 1))]),
+        &[(&image, &plain), (&ids, &plain)],
         None,
         &push,
     )?;
     let width = i64::from(SIZE[0]);
     let expected: Vec<f32> = (0..found.len() as i64)
-        .map(|i| twin::clean(&push, &lines, i % width, i / width))
+        .map(|i| {
+            if a.is_foreign(i as usize, styles) {
+                return 0.0;
+            }
+            twin::clean(&push, &lines, i % width, i / width)
+        })
         .collect();
     let error = |got: &f32, want: &f32| f64::from((got - want).abs());
     Ok(Outcome::worst((&found, &expected), error, (0.0, "line")))
@@ -253,8 +290,8 @@ fn band(texels: &[u8], at: DVec2, channel: usize) -> f64 {
     top * (1.0 - fy) + bottom * fy
 }
 
-fn silhouette(gpu: &Gpu, blend: u32) -> Result<Outcome> {
-    let a = Attributes::new();
+fn silhouette(gpu: &Gpu, blend: u32, styles: u32) -> Result<Outcome> {
+    let a = Attributes::new(styles);
     let plain = gpu.sampler(&SamplerInfo::default())?;
     let smooth = gpu.sampler(&SamplerInfo {
         linear: true,
@@ -262,7 +299,7 @@ fn silhouette(gpu: &Gpu, blend: u32) -> Result<Outcome> {
         ..SamplerInfo::default()
     })?;
     let width = i64::from(SIZE[0]);
-    let contour_push = contour_push(INK_DEPTH_LINEAR);
+    let contour_push = contour_push(INK_DEPTH_LINEAR, styles);
     let lines: Vec<f32> = (0..i64::from(SIZE[0] * SIZE[1]))
         .map(|i| twin::contour(&contour_push, false, &a.pixels(), i % width, i / width).0 as f32)
         .collect();
@@ -285,8 +322,11 @@ fn silhouette(gpu: &Gpu, blend: u32) -> Result<Outcome> {
         band_length: 30.0,
         aspect: 1.3,
         blend,
+        style: u32::from(styles > 1),
+        clears: 1,
     };
-    let shader = (shaders::SILHOUETTE_COMP, &[][..]);
+    let constants = [(0, u32::from(styles > 1))];
+    let shader = (shaders::SILHOUETTE_COMP, &constants[..]);
     let found = run(gpu, shader, &bound, Some(&clusters), &push)?;
     let mut off = 0_u32;
     let mut inked = 0_u32;
@@ -298,7 +338,8 @@ fn silhouette(gpu: &Gpu, blend: u32) -> Result<Outcome> {
             &a.clusters,
             i % width,
             i / width,
-        );
+        )
+        .filter(|_| !a.is_foreign(i as usize, styles));
         let expected = at.map_or(0.0, |(at, shade)| {
             let of = |k: f64| band(&strokes, at, k.min(3.0) as usize);
             if blend == 1 {

@@ -4,16 +4,18 @@ use glam::DVec2;
 
 use super::pipelines::Stage1Pipelines;
 use super::stage2::Stage2;
+use super::styles::Styles;
 use super::targets::Targets;
 use super::uploads::Uploads;
 use crate::Result;
 use crate::abi::{InkCluster, InkFrame};
 use crate::gpu::{Buffer, BufferInfo, Gpu, PassTime, QueueKind};
 use crate::ink::clusters::Cluster;
+use crate::ink::mix::{Mix, MixPlan};
 use crate::ink::motion::Course;
-use crate::ink::plan::{Attribute, InkPlan};
+use crate::ink::plan::Attribute;
 use crate::ink::plant::Plant;
-use crate::ink::style::Style;
+use crate::ink::style::Hatching;
 use crate::ink::view::{Hatch, View, tiles_about};
 use crate::scene::{Geometry, Model};
 
@@ -44,10 +46,9 @@ pub struct Drawing {
     pub lines: Vec<Vec<u8>>,
 }
 
-/// Draws one plant in one style from any view.
+/// Draws plants in one or several styles from any view.
 pub struct InkRenderer {
     pub(super) gpu: Gpu,
-    pub(super) style: Style,
     pub(super) size: [u32; 2],
     /// Pixels of this picture for one of the final one: widths in pixels grow by it.
     pub(super) factor: u32,
@@ -61,7 +62,9 @@ pub struct InkRenderer {
     pub(super) uploads: Uploads,
     pub(super) targets: Targets,
     pub(super) stage1: Stage1Pipelines,
-    pub(super) stage2: Stage2,
+    pub(super) plan: MixPlan,
+    pub(super) styles: Styles,
+    pub(super) stage2: Vec<Stage2>,
 }
 
 impl std::fmt::Debug for InkRenderer {
@@ -71,35 +74,40 @@ impl std::fmt::Debug for InkRenderer {
 }
 
 impl InkRenderer {
-    /// Uploads the plant and makes what the style needs for pictures of the size of `view`, of
-    /// whose pixels `factor` along each axis become one. Strokes have the style's size in that
-    /// view.
+    /// Uploads the plant, which was gathered for the styles of `mix`, and makes what they need for
+    /// pictures of the size of `view`, of whose pixels `factor` along each axis become one. Strokes
+    /// have the styles' size in that view.
     ///
     /// # Errors
-    /// A texture that cannot be decoded, or memory runs out.
+    /// A texture that cannot be decoded, a mix that does not fit the scene or the picture, or
+    /// memory runs out.
     pub fn new(
         gpu: &Gpu,
         scene: &InkScene<'_>,
-        style: &Style,
+        mix: &Mix,
         view: &View,
         factor: u32,
     ) -> Result<Self> {
-        let plan = InkPlan::new(style);
-        let clusters = scene.plant.clusters.len().max(1) * size_of::<InkCluster>();
+        let plan = MixPlan::new(mix);
+        let clusters = scene.plant.first_clusters()[mix.styles.len()].max(1) as usize;
+        let stage2 = (0..).zip(&mix.styles);
         let device = |name, bytes: usize| gpu.buffer(BufferInfo::device(name, bytes as u64));
         Ok(Self {
             gpu: gpu.clone(),
-            style: style.clone(),
             size: view.size,
             factor,
             reference: view.middle_distance() / view.focal(),
             courses: None,
             frame: device("ink frame", size_of::<InkFrame>())?,
-            clusters: device("ink clusters", clusters)?,
-            uploads: Uploads::new(gpu, scene, style)?,
+            clusters: device("ink clusters", clusters * size_of::<InkCluster>())?,
+            uploads: Uploads::new(gpu, scene, &mix.styles)?,
             targets: Targets::new(gpu, &plan, view.size)?,
             stage1: Stage1Pipelines::new(gpu, &plan.attributes())?,
-            stage2: Stage2::new(gpu, style, &plan)?,
+            styles: Styles::new(gpu, scene, mix, view, factor)?,
+            stage2: stage2
+                .map(|(k, style)| Stage2::new(gpu, &plan, k, style))
+                .collect::<Result<_>>()?,
+            plan,
         })
     }
 
@@ -128,15 +136,15 @@ impl InkRenderer {
         view: &View,
         wanted: &[Attribute],
     ) -> Result<Drawing> {
-        let shading = &self.style.shading;
-        let frame = view.frame(shading.ambient, shading.depth);
         let mut work = self.gpu.work(QueueKind::Graphics, "ink")?;
-        work.upload("ink frame", &self.frame, &[frame])?;
+        work.upload("ink frame", &self.frame, &[self.styles.frame(view)])?;
         work.upload(
             "ink clusters",
             &self.clusters,
             &self.cluster_records(scene, view),
         )?;
+        let sizes = (self.reference, self.factor);
+        self.styles.upload(&mut work, scene, view, sizes)?;
         self.stage1(&mut work, scene)?;
         self.stage2(&mut work, view)?;
         let picture = work.read_image("ink picture", &self.targets.picture)?;
@@ -173,25 +181,30 @@ impl InkRenderer {
         })
     }
 
-    /// The clusters as kernels see them in a view.
+    /// The clusters as kernels see them in a view: those of one style after the other.
     #[must_use]
     pub fn cluster_records(&self, scene: &InkScene<'_>, view: &View) -> Vec<InkCluster> {
-        let scale = f64::from(self.style.hatching.scale) * f64::from(self.factor);
         let least = scene.plant.leaf_radius;
-        let clusters = scene.plant.clusters.clusters.iter();
-        let record = |(number, cluster): (u32, &Cluster)| {
+        let record = |hatching: &Hatching, number: u32, cluster: &Cluster, course: Course| {
+            let scale = f64::from(hatching.scale) * f64::from(self.factor);
             let radius = f64::from(cluster.radius.max(least));
             let tiles = tiles_about(radius, self.reference, scale);
-            let followed = self.courses.as_ref().and_then(|c| c.get(number as usize));
-            let course = followed.copied();
-            let course =
-                course.unwrap_or_else(|| Course::stateless(view, cluster.centre.as_dvec3()));
             let mut hatch = Hatch::new(&course, DVec2::splat(tiles));
-            if self.style.hatching.scatter {
+            if hatching.scatter {
                 hatch = hatch.scattered(number);
             }
             view.cluster(cluster, least, &hatch)
         };
-        (0..).zip(clusters).map(record).collect()
+        let mut records = Vec::new();
+        for (k, style) in self.styles.mix.styles.iter().enumerate() {
+            for (number, cluster) in (0..).zip(&scene.plant.clusters_of(k).clusters) {
+                let followed = self.courses.as_ref().and_then(|c| c.get(records.len()));
+                let course = followed.copied();
+                let course =
+                    course.unwrap_or_else(|| Course::stateless(view, cluster.centre.as_dvec3()));
+                records.push(record(&style.hatching, number, cluster, course));
+            }
+        }
+        records
     }
 }

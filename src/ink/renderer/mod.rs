@@ -5,6 +5,7 @@ mod frame;
 mod pipelines;
 mod stage1;
 mod stage2;
+mod styles;
 mod targets;
 mod uploads;
 

@@ -3,7 +3,8 @@
 use crate::Result;
 use crate::gpu::shaders::ink as shaders;
 use crate::gpu::{ComputePipeline, Format, Gpu, GraphicsPipeline, GraphicsPipelineInfo, Shader};
-use crate::ink::plan::{Attribute, InkPlan};
+use crate::ink::mix::MixPlan;
+use crate::ink::plan::Attribute;
 
 /// Fragment shaders for one to six targets.
 const LEAF_FRAGMENTS: [Shader; 6] = [
@@ -63,26 +64,30 @@ pub(super) struct Stage2Pipelines {
 }
 
 impl Stage2Pipelines {
-    /// Those of a plan.
-    pub(super) fn new(gpu: &Gpu, plan: &InkPlan) -> Result<Self> {
+    /// Those of a style of a plan.
+    pub(super) fn new(gpu: &Gpu, mix: &MixPlan, style: usize) -> Result<Self> {
+        let plan = &mix.styles[style];
+        let mixed = u32::from(mix.is_mixed());
         let kernel = |wanted: bool, shader, constants: &[(u32, u32)]| {
             wanted
                 .then(|| gpu.compute_pipeline_with(shader, constants))
                 .transpose()
         };
-        let detail = [(0, u32::from(plan.detail))];
+        let contour = [(0, u32::from(plan.detail)), (1, mixed)];
         let switches = [
-            plan.contour,
+            // Lines of other styles reach over into this one's pixels.
+            mix.any(|s| s.contour),
             plan.silhouette,
             plan.hatching,
             plan.shading,
             plan.colour,
+            mix.is_mixed(),
         ];
         let switches: Vec<(u32, u32)> = (0..).zip(switches.map(u32::from)).collect();
         Ok(Self {
-            contour: kernel(plan.contour, shaders::CONTOUR_COMP, &detail)?,
-            clean: kernel(plan.contour, shaders::CLEAN_COMP, &[])?,
-            silhouette: kernel(plan.silhouette, shaders::SILHOUETTE_COMP, &[])?,
+            contour: kernel(plan.contour, shaders::CONTOUR_COMP, &contour)?,
+            clean: kernel(plan.contour, shaders::CLEAN_COMP, &[(0, mixed)])?,
+            silhouette: kernel(plan.silhouette, shaders::SILHOUETTE_COMP, &[(0, mixed)])?,
             compose: gpu.compute_pipeline_with(shaders::COMPOSE_COMP, &switches)?,
         })
     }

@@ -2,11 +2,8 @@
 
 use super::frame::{InkRenderer, InkScene};
 use crate::Result;
-use crate::abi::{
-    INK_STROKES_ALONG, INK_STROKES_BODY, INK_STROKES_ROUND, INK_TILE, InkLeafDraw, InkWoodDraw,
-};
+use crate::abi::{INK_OBJECTS, INK_STROKES_BODY, INK_STROKES_ROUND, InkLeafDraw, InkWoodDraw};
 use crate::gpu::{Binding, DepthTarget, RenderPass, Work};
-use crate::ink::style::WoodStrokes;
 use crate::scene::{AlphaMode, Material, Model};
 
 impl InkRenderer {
@@ -17,6 +14,8 @@ impl InkRenderer {
             Binding::Read(&u.leaves),
             Binding::Read(&self.clusters),
             Binding::Sampled(&u.shapes, &self.targets.smooth),
+            Binding::Read(&self.styles.records),
+            Binding::Read(&self.styles.placements),
         ];
         let wood_set = [
             Binding::Read(&self.frame),
@@ -25,9 +24,13 @@ impl InkRenderer {
             Binding::Read(&u.texcoords),
             Binding::Read(&u.hatches),
             Binding::Read(&self.clusters),
+            Binding::Read(&self.styles.records),
+            Binding::Read(&self.styles.parts),
+            Binding::Read(&self.styles.masks),
         ];
         let mut reads = leaf_set.to_vec();
-        reads.extend(&wood_set[1..5]);
+        // The frame, the clusters and the styles are there already.
+        reads.extend(wood_set[1..5].iter().chain(&wood_set[7..]));
         reads.push(Binding::Index(&u.indices));
         reads.extend(u.textures.iter().map(|(i, s)| Binding::Sampled(i, s)));
         let pass = RenderPass {
@@ -44,7 +47,7 @@ impl InkRenderer {
             draws.pipeline(&self.stage1.wood);
             draws.bind(0, &wood_set)?;
             draws.index_buffer(&u.indices);
-            let wood = if self.style.bodies.smooth {
+            let wood = if self.smooth_bodies() {
                 &scene.plant.bodies.parts
             } else {
                 &scene.plant.wood
@@ -67,31 +70,24 @@ impl InkRenderer {
         })
     }
 
+    /// Whether bodies are drawn instead of wood; no mix does.
+    fn smooth_bodies(&self) -> bool {
+        self.styles.mix.styles[0].bodies.smooth
+    }
+
     fn leaf_draw(&self, model: &Model, material: usize) -> InkLeafDraw {
         let m = &model.materials[material];
         let [u, v] = texture_rows(m);
-        let (l, h) = (&self.style.leaves, &self.style.hatching);
         InkLeafDraw {
             base_color: m.base_color,
             texcoord_u: u,
-            displacement: l.displacement,
             texcoord_v: v,
-            orientation: l.orientation,
-            facing: l.facing,
-            size: l.size * self.style.enlargement(),
-            // A painted outline is mixed into the shapes themselves.
-            shape: if l.outline.is_some() { 1.0 } else { l.shape },
-            kept: l.kept,
-            crown: self.style.shading.crown,
-            packing: h.packing,
-            packing_steps: h.packing_steps as f32,
         }
     }
 
     fn wood_draw(&self, model: &Model, material: usize, instance: usize) -> InkWoodDraw {
         let m = &model.materials[material];
         let [u, v] = texture_rows(m);
-        let scale = f64::from(self.style.hatching.scale) * f64::from(self.factor);
         InkWoodDraw {
             base_color: m.base_color,
             texcoord_u: u,
@@ -102,13 +98,13 @@ impl InkRenderer {
             },
             texcoord_v: v,
             // Wood is no part of the clusters: a line goes between the two.
-            object: (1 << 20) + instance as u32,
-            tiles: (1.0 / (self.reference * f64::from(INK_TILE) * scale)) as f32,
-            strokes: match self.style.hatching.wood {
-                _ if self.style.bodies.smooth => INK_STROKES_BODY,
-                WoodStrokes::Along => INK_STROKES_ALONG,
-                WoodStrokes::Round => INK_STROKES_ROUND,
+            object: INK_OBJECTS / 2 + instance as u32,
+            strokes: if self.smooth_bodies() {
+                INK_STROKES_BODY
+            } else {
+                INK_STROKES_ROUND
             },
+            parts: self.styles.regions.bits(material, instance),
         }
     }
 }

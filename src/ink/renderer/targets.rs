@@ -5,7 +5,8 @@ use crate::gpu::{
     AddressMode, Binding, ColorTarget, Format, Gpu, Image, ImageInfo, Sampler, SamplerInfo,
 };
 use crate::ink::images::filled_image;
-use crate::ink::plan::{Attribute, InkPlan};
+use crate::ink::mix::MixPlan;
+use crate::ink::plan::Attribute;
 
 /// Images of a picture and the samplers to read them with.
 pub(super) struct Targets {
@@ -27,7 +28,7 @@ pub(super) struct Targets {
 
 impl Targets {
     /// Images of `size` pixels.
-    pub(super) fn new(gpu: &Gpu, plan: &InkPlan, size: [u32; 2]) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, plan: &MixPlan, size: [u32; 2]) -> Result<Self> {
         let target = |name, format| gpu.image(ImageInfo::target(name, format, size, 1));
         let storage = |name, format| gpu.image(ImageInfo::storage(name, format, size));
         let line = |wanted: bool, name| {
@@ -49,9 +50,9 @@ impl Targets {
                 .collect::<Result<_>>()?,
             depth: target("ink depth test", Format::Depth32)?,
             lines: [
-                line(plan.contour, "ink contour")?,
-                line(plan.contour, "ink lines")?,
-                line(plan.silhouette, "ink silhouette")?,
+                line(plan.any(|s| s.contour), "ink contour")?,
+                line(plan.any(|s| s.contour), "ink lines")?,
+                line(plan.any(|s| s.silhouette), "ink silhouette")?,
             ],
             picture: storage("ink picture", Format::Rgba16Float)?,
             nothing: filled_image(gpu, "nothing", Format::Rgba8Unorm, [1, 1], &[&[0; 4]])?,

@@ -21,11 +21,13 @@ pub(super) struct Uploads {
 }
 
 impl Uploads {
-    /// Uploads a scene for pictures in `style`.
-    pub(super) fn new(gpu: &Gpu, scene: &InkScene<'_>, style: &Style) -> Result<Self> {
+    /// Uploads a scene for pictures in `styles`.
+    pub(super) fn new(gpu: &Gpu, scene: &InkScene<'_>, styles: &[Style]) -> Result<Self> {
         let (g, plant) = (scene.geometry, scene.plant);
-        let hatching = style.hatching.strength > 0.0;
-        let mut leaves = plant.records(style.seed);
+        // Several styles have neither bodies nor outlines of their own.
+        let style = &styles[0];
+        let hatching = styles.iter().any(|s| s.hatching.strength > 0.0);
+        let mut leaves = plant.records();
         if leaves.is_empty() {
             // Buffers have at least one element.
             leaves.push(InkLeaf::default());

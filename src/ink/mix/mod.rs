@@ -1,0 +1,11 @@
+//! Several styles in one picture (Coconu, Deussen, Hege 2006, section 8): which part of a scene is
+//! drawn in which, by object, by material, by distance or by a mask.
+
+mod file;
+mod plan;
+mod regions;
+mod rule;
+
+pub use plan::MixPlan;
+pub use regions::Regions;
+pub use rule::{Mask, Mix, Part, Span};

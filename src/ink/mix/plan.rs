@@ -1,0 +1,137 @@
+//! What a picture in several styles takes: attributes that any of them needs, and the passes of
+//! each.
+
+use super::rule::Mix;
+use crate::ink::plan::{Attribute, InkPlan, PASSES, bytes_per_pixel};
+
+/// The plan of a mix. Stage 1 runs once for all styles; each further style adds its own passes of
+/// stage 2.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MixPlan {
+    /// Plans of the styles.
+    pub styles: Vec<InkPlan>,
+    names: Vec<String>,
+    masked: bool,
+}
+
+impl MixPlan {
+    /// The plan of `mix`.
+    #[must_use]
+    pub fn new(mix: &Mix) -> Self {
+        Self {
+            styles: mix.styles.iter().map(InkPlan::new).collect(),
+            names: mix.names.clone(),
+            masked: mix.parts.iter().any(|p| p.is_masked()),
+        }
+    }
+
+    /// Whether there are several styles.
+    #[must_use]
+    pub fn is_mixed(&self) -> bool {
+        self.styles.len() > 1
+    }
+
+    /// Whether any style has what `has` asks for.
+    #[must_use]
+    pub fn any(&self, has: impl Fn(&InkPlan) -> bool) -> bool {
+        self.styles.iter().any(has)
+    }
+
+    /// Attributes of stage 1, in the order of its targets: what any style needs; of several styles
+    /// also the ids, which say whose a pixel is.
+    #[must_use]
+    pub fn attributes(&self) -> Vec<Attribute> {
+        let wanted = |a: &Attribute| {
+            let owner = self.is_mixed() && *a == Attribute::Ids;
+            owner || self.any(|s| s.attributes().contains(a))
+        };
+        Attribute::ALL.into_iter().filter(wanted).collect()
+    }
+
+    /// Name of a pass of a style: in a mix with the style's.
+    #[must_use]
+    pub fn label(&self, pass: &str, style: usize) -> String {
+        if self.is_mixed() {
+            format!("{pass}, {}", self.names[style])
+        } else {
+            pass.to_owned()
+        }
+    }
+
+    /// Passes in their order: every kind for all styles that have it before the next kind, since
+    /// a pass reads what others left around its pixels.
+    #[must_use]
+    pub fn passes(&self) -> Vec<String> {
+        let mut out = vec![PASSES[0].to_owned()];
+        for pass in &PASSES[1..] {
+            let styles = (0..).zip(&self.styles);
+            let has = styles.filter(|(_, plan)| plan.passes().contains(pass));
+            out.extend(has.map(|(k, _)| self.label(pass, k)));
+        }
+        out
+    }
+
+    /// Bytes of the images of stage 1 and 2 for a picture of `size` pixels.
+    #[must_use]
+    pub fn bytes(&self, [width, height]: [u32; 2]) -> u64 {
+        let lines = 2 * u64::from(self.any(|s| s.contour)) + u64::from(self.any(|s| s.silhouette));
+        let pixels = u64::from(width) * u64::from(height);
+        pixels * (bytes_per_pixel(&self.attributes(), lines) + 4 * u64::from(self.masked))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ink::style::Style;
+
+    fn mix(names: &[&str]) -> Mix {
+        let styles: Vec<Style> = names.iter().map(|n| Style::named(n).unwrap()).collect();
+        Mix {
+            styles,
+            names: names.iter().map(|n| (*n).to_owned()).collect(),
+            parts: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_mix_needs_what_its_styles_need_and_a_further_style_adds_its_own_passes() {
+        let plan = |names: &[&str]| MixPlan::new(&mix(names));
+        let (lines, strokes) = (plan(&["outline"]), plan(&["silhouette-hatching"]));
+        let both = plan(&["outline", "silhouette-hatching"]);
+        let mut union = [lines.attributes(), strokes.attributes()].concat();
+        union.sort();
+        union.dedup();
+        assert_eq!(both.attributes(), union);
+        assert!(both.bytes([10, 10]) >= lines.bytes([10, 10]).max(strokes.bytes([10, 10])));
+        let size = [10, 10];
+        assert!(both.bytes(size) < lines.bytes(size) + strokes.bytes(size));
+        let expected = [
+            "ink stage 1",
+            "ink contour, outline",
+            "ink contour, silhouette-hatching",
+            "ink clean, outline",
+            "ink clean, silhouette-hatching",
+            "ink silhouette, silhouette-hatching",
+            "ink compose, outline",
+            "ink compose, silhouette-hatching",
+        ];
+        assert_eq!(both.passes(), expected);
+        // Alone, without the first stage: what it added.
+        assert_eq!(
+            both.passes().len(),
+            lines.passes().len() + strokes.passes().len() - 1
+        );
+    }
+
+    #[test]
+    fn of_several_styles_the_ids_say_whose_a_pixel_is() {
+        let mut bare = mix(&["outline", "full"]);
+        for style in &mut bare.styles {
+            (style.contour.strength, style.silhouette.strength) = (0.0, 0.0);
+        }
+        assert!(MixPlan::new(&bare).attributes().contains(&Attribute::Ids));
+        bare.styles.truncate(1);
+        assert_eq!(MixPlan::new(&bare).attributes(), [Attribute::Depth]);
+    }
+}
