@@ -155,7 +155,7 @@ impl InkPlan {
 
 /// Bytes of all images for one pixel: the attributes, the depth test's, `lines` of lines and the
 /// picture.
-pub(super) fn bytes_per_pixel(attributes: &[Attribute], lines: u64) -> u64 {
+fn bytes_per_pixel(attributes: &[Attribute], lines: u64) -> u64 {
     let stage1: u64 = attributes.iter().map(|a| a.format().bytes()).sum();
     let depth = Format::Depth32.bytes();
     stage1 + depth + lines * Format::R32Float.bytes() + Format::Rgba16Float.bytes()

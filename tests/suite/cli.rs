@@ -197,6 +197,27 @@ fn unwritable_outputs_are_told_before_the_work() {
 }
 
 #[test]
+fn info_tells_what_a_drawing_takes() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    let plan = |style: &str| {
+        let what = ["info", &tree, "--style", style, "--size", "40x30"];
+        let report = place.json(&[&what[..], &["--ink-supersample", "1"]].concat());
+        report["plan"].clone()
+    };
+    let (lines, both) = (plan("outline"), plan("mixed"));
+    let images = lines["resources"].as_array().unwrap().iter();
+    let bytes: u64 = images.map(|i| i["bytes"].as_u64().unwrap()).sum();
+    assert_eq!(lines["bytes"], bytes);
+    assert_eq!(lines["bake"], false, "lines need no bake");
+    assert_eq!(lines["passes"].as_array().unwrap().len(), 4);
+    assert!(both["bytes"].as_u64().unwrap() > bytes, "{both}");
+    assert!(both["passes"].as_array().unwrap().len() > 5, "{both}");
+    let arguments = ["info", &tree, "--style", "no-such"];
+    place.assert_refused(&arguments, &["no-such", "mixed"]);
+}
+
+#[test]
 fn info_tells_facts_and_plan() {
     let place = Place::new();
     let tree = place.write("tree.glb", small_tree().glb());

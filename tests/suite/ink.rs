@@ -440,3 +440,74 @@ fn wrong_styles_and_plants_without_leaves_are_refused() {
     ];
     place.assert_refused(&arguments, &["out.txt"]);
 }
+
+/// Every number of a picture, none of which is infinite or none at all.
+fn finite(drawing: &Drawing, what: &str) -> Vec<f32> {
+    let halves = drawing.pixels.chunks_exact(2);
+    let all: Vec<f32> = halves
+        .map(|b| umbrage::math::packing::f16_to_f32(u16::from_le_bytes([b[0], b[1]])))
+        .collect();
+    assert!(all.iter().all(|v| v.is_finite()), "{what}");
+    all
+}
+
+#[test]
+fn clusters_of_one_leaf_and_leaves_at_their_centres_stay_what_they_are() {
+    let mut style = Style::named("silhouette-hatching").unwrap();
+    (style.leaves.displacement, style.leaves.kept) = (1.0, 1.0);
+    let size = [120, 90];
+    let at = |x: f32, y: f32| Disc {
+        at: Vec3::new(x, y, -3.0),
+        radius: 0.2,
+    };
+    // Apart: every leaf is its own cluster. Together: one is exactly at its cluster's centre.
+    for (radius, discs, clusters) in [
+        (0.001, [at(-1.0, 0.0), at(0.0, 0.5), at(1.0, 0.0)], 3),
+        (1.0, [at(-0.5, 0.0), at(0.0, 0.0), at(0.5, 0.0)], 1),
+    ] {
+        style.leaves.cluster_radius = radius;
+        let drawn = draw(&discs, &style, size);
+        assert_eq!(drawn.clusters.len(), clusters);
+        finite(&drawn.drawing, "picture");
+        for (_, attribute) in drawn.drawing.attributes.iter().take(2) {
+            assert!(floats(attribute).iter().all(|v| v.is_finite()), "attribute");
+        }
+        for (leaf, cluster) in drawn.leaves.iter().zip(&drawn.of_leaf) {
+            let cluster = &drawn.clusters[*cluster as usize];
+            assert!(cluster.radius >= 0.2, "at least that of a leaf");
+            let (place, normal) = twin::displaced(leaf, cluster, 1.0);
+            assert!(place.is_finite() && (normal.length() - 1.0).abs() < 1e-6);
+            let centre = Vec3::from(cluster.centre);
+            if Vec3::from(leaf.centre).distance(centre) < 1e-6 {
+                // Its own normal stands for the direction that it does not have.
+                let own = DVec3::from(leaf.normal.map(f64::from));
+                assert!(normal.distance(own) < 1e-6, "{normal}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_picture_of_nothing_is_paper_and_has_no_lines() {
+    let behind = [Disc {
+        at: Vec3::new(0.0, 0.0, 4.0),
+        radius: 0.3,
+    }];
+    for name in ["full", "silhouette-hatching"] {
+        let style = Style::named(name).unwrap();
+        let drawing = draw(&behind, &style, [40, 30]).drawing;
+        let pixels = finite(&drawing, name);
+        let paper = style
+            .paper
+            .colour
+            .map(umbrage::math::colour::srgb_to_linear);
+        for pixel in pixels.chunks_exact(4) {
+            for (found, paper) in pixel.iter().zip(paper) {
+                assert!((found - paper).abs() < 1e-3, "{name}: {pixel:?}");
+            }
+        }
+        for line in &drawing.lines {
+            assert!(floats(line).iter().all(|v| *v == 0.0), "{name}: no lines");
+        }
+    }
+}

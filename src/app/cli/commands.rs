@@ -223,6 +223,12 @@ pub struct InfoArgs {
         default_value = "textured"
     )]
     pub view: Vec<View>,
+    /// Style or mix whose drawing the plan is for, instead of views
+    #[arg(long, value_name = "STYLE|FILE", conflicts_with = "view")]
+    pub style: Option<String>,
+    /// Pixels drawn for one of a drawing, along each axis, 1 to 4
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
+    pub ink_supersample: u32,
     /// Settings of the picture.
     #[command(flatten)]
     pub picture: Chosen<PictureTable>,
@@ -236,7 +242,8 @@ impl InfoArgs {
 Examples:
   umbrage info
   umbrage info oak.glb
-  umbrage info oak.glb --view ambient,normals --size 1920x1080 --json";
+  umbrage info oak.glb --view ambient,normals --size 1920x1080 --json
+  umbrage info oak.glb --style mixed";
 }
 
 /// Arguments of `bench`.

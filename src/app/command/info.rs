@@ -4,12 +4,14 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
+use super::info_ink;
 use crate::app::cli::InfoArgs;
 use crate::app::input::Input;
 use crate::app::report::Table;
 use crate::app::settings::{foliage_pattern, foliage_settings, picture_settings};
 use crate::app::{Context, Report};
 use crate::foliage::{Recipe, Split};
+use crate::ink::mix::Mix;
 use crate::render::plan::human_bytes;
 use crate::render::{Baked, FieldGrid, Plan, Subject, SurfaceMesh, View};
 use crate::scene::geometry::counted;
@@ -24,6 +26,7 @@ pub fn run(context: &Context, args: &InfoArgs) -> Result<Report> {
     let Some(source) = &args.input else {
         return device(context);
     };
+    let mix = args.style.as_deref().map(Mix::named).transpose()?;
     let input = Input::load(source, &args.model.textures)?;
     let picture = picture_settings(input.scene.as_ref(), &args.picture)?;
     let settings = foliage_settings(input.scene.as_ref(), &args.settings)?;
@@ -33,6 +36,12 @@ pub fn run(context: &Context, args: &InfoArgs) -> Result<Report> {
         log::warn!("{warning}");
     }
     let split = Split::new(&input.model, &geometry, pattern);
+    if let (Some(mix), Some(name)) = (&mix, &args.style) {
+        let mut text = String::new();
+        let facts = describe_model(&mut text, &input.model, &geometry, split.as_ref());
+        let plan = info_ink::describe(&mut text, name, mix, picture.size, args.ink_supersample);
+        return Ok(Report::new(text, json!({ "model": facts, "plan": plan })));
+    }
     let blank = Blank::new(&geometry, split.as_ref().ok());
     let plan = Plan::new(
         &blank.subject(&input.model, &geometry),

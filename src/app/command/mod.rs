@@ -8,6 +8,7 @@ pub mod conform;
 pub mod grow;
 pub mod info;
 pub mod ink;
+mod info_ink;
 pub mod leaf;
 pub mod light;
 mod lit_sheet;

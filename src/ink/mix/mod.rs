@@ -6,6 +6,6 @@ mod plan;
 mod regions;
 mod rule;
 
-pub use plan::MixPlan;
+pub use plan::{MixPlan, PlannedImage};
 pub use regions::Regions;
 pub use rule::{Mask, Mix, Part, Span};

@@ -2,7 +2,19 @@
 //! each.
 
 use super::rule::Mix;
-use crate::ink::plan::{Attribute, InkPlan, PASSES, bytes_per_pixel};
+use crate::gpu::Format;
+use crate::ink::plan::{Attribute, InkPlan, PASSES};
+
+/// An image that the two stages write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PlannedImage {
+    /// Its name.
+    pub name: &'static str,
+    /// The pass that writes it.
+    pub pass: &'static str,
+    /// Bytes of a pixel.
+    pub bytes: u64,
+}
 
 /// The plan of a mix. Stage 1 runs once for all styles; each further style adds its own passes of
 /// stage 2.
@@ -71,12 +83,40 @@ impl MixPlan {
         out
     }
 
+    /// Images of the two stages.
+    #[must_use]
+    pub fn images(&self) -> Vec<PlannedImage> {
+        let image = |name, pass, bytes| PlannedImage { name, pass, bytes };
+        let mut out: Vec<PlannedImage> = self
+            .attributes()
+            .into_iter()
+            .map(|a| image(a.label(), PASSES[0], a.format().bytes()))
+            .collect();
+        out.push(image("ink depth test", PASSES[0], Format::Depth32.bytes()));
+        let float = Format::R32Float.bytes();
+        if self.any(|s| s.contour) {
+            out.push(image("ink contour", "ink contour", float));
+            out.push(image("ink lines", "ink clean", float));
+        }
+        if self.any(|s| s.silhouette) {
+            out.push(image("ink silhouette", "ink silhouette", float));
+        }
+        if self.masked {
+            out.push(image("ink masks", "upload", 4));
+        }
+        out.push(image(
+            "ink picture",
+            "ink compose",
+            Format::Rgba16Float.bytes(),
+        ));
+        out
+    }
+
     /// Bytes of the images of stage 1 and 2 for a picture of `size` pixels.
     #[must_use]
     pub fn bytes(&self, [width, height]: [u32; 2]) -> u64 {
-        let lines = 2 * u64::from(self.any(|s| s.contour)) + u64::from(self.any(|s| s.silhouette));
-        let pixels = u64::from(width) * u64::from(height);
-        pixels * (bytes_per_pixel(&self.attributes(), lines) + 4 * u64::from(self.masked))
+        let per_pixel: u64 = self.images().iter().map(|i| i.bytes).sum();
+        per_pixel * u64::from(width) * u64::from(height)
     }
 }
 
@@ -117,6 +157,8 @@ mod tests {
             "ink compose, silhouette-hatching",
         ];
         assert_eq!(both.passes(), expected);
+        let alone = MixPlan::new(&Mix::single(Style::named("outline").unwrap()));
+        assert_eq!(alone.bytes(size), alone.styles[0].bytes(size));
         // Alone, without the first stage: what it added.
         assert_eq!(
             both.passes().len(),
