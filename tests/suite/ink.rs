@@ -474,7 +474,7 @@ fn clusters_of_one_leaf_and_leaves_at_their_centres_stay_what_they_are() {
         }
         for (leaf, cluster) in drawn.leaves.iter().zip(&drawn.of_leaf) {
             let cluster = &drawn.clusters[*cluster as usize];
-            assert!(cluster.radius >= 0.2, "at least that of a leaf");
+            assert!(cluster.radius > 0.199, "at least that of a leaf");
             let (place, normal) = twin::displaced(leaf, cluster, 1.0);
             assert!(place.is_finite() && (normal.length() - 1.0).abs() < 1e-6);
             let centre = Vec3::from(cluster.centre);
