@@ -25,7 +25,7 @@ const SIZE: [u32; 2] = [320, 200];
 /// Pixels that a pass of the styles below can see at most: the silhouettes' reach, and a line.
 const REACH: i64 = 8;
 
-/// Three shrubs in a row that goes away from the camera.
+/// Three shrubs in a row that goes away from the camera; the last has materials of its own.
 fn row() -> Model {
     let options = GrowOptions {
         seed: 1,
@@ -35,7 +35,11 @@ fn row() -> Model {
     let shrub = grow::grow(Species::Shrub, &options).unwrap();
     let at = |x: f64, z: f64| DAffine3::from_translation(DVec3::new(x, 0.0, z));
     let places = [at(-1.6, 0.0), at(0.0, -1.5), at(1.6, -3.0)];
-    let plants: Vec<_> = places.iter().map(|p| (&shrub, *p)).collect();
+    let mut dry = shrub.clone();
+    for material in &mut dry.materials {
+        material.name.insert_str(0, "dry ");
+    }
+    let plants = [(&shrub, places[0]), (&shrub, places[1]), (&dry, places[2])];
     let mut merged = Population::merge("row", &plants);
     for (range, name) in merged.instances.iter().zip(["left", "middle", "right"]) {
         for instance in range.clone() {
@@ -164,7 +168,7 @@ fn rules() -> Vec<(&'static str, Part)> {
         (
             "materials",
             Part {
-                materials: Some(Regex::new("(?i)leaf|leaves").unwrap()),
+                materials: Some(Regex::new("^dry").unwrap()),
                 ..everything(1)
             },
         ),
