@@ -384,7 +384,7 @@ impl Style {
 
     /// Makes the names of its files relative to where the program runs; they are given relative to
     /// the style's folder.
-    fn resolve(&mut self, folder: &Path) {
+    pub(super) fn resolve(&mut self, folder: &Path) {
         let tile = match &mut self.hatching.tile {
             Some(Painted::One(path)) => std::slice::from_mut(path),
             Some(Painted::Several(paths)) => paths,
@@ -397,7 +397,7 @@ impl Style {
     }
 
     /// Reads its files, so that what is wrong with them is told before a model is read.
-    fn check_files(&self) -> Result<()> {
+    pub(super) fn check_files(&self) -> Result<()> {
         if self.hatching.tile.is_some() {
             tile_of(self)?;
         }

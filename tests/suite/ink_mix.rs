@@ -175,7 +175,7 @@ fn rules() -> Vec<(&'static str, Part)> {
         (
             "distance",
             Part {
-                distance: Some(Span::Metres([0.0, 7.0])),
+                distance: Some(Span::Metres([0.0, 5.3])),
                 ..everything(1)
             },
         ),

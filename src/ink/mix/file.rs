@@ -159,7 +159,10 @@ fn style(
         table.entry("format_version").or_insert(version.into());
         table.entry("description").or_insert(name.into());
         let text = toml::to_string(&table).map_err(|e| e.to_string())?;
-        return Style::parse(&text).map_err(|e| format!("styles.{name}: {e}"));
+        let mut style = Style::parse(&text).map_err(|e| format!("styles.{name}: {e}"))?;
+        style.resolve(folder);
+        style.check_files().map_err(|e| e.to_string())?;
+        return Ok(style);
     }
     let is_file = name.to_ascii_lowercase().ends_with(".toml");
     let place = folder.join(name);
