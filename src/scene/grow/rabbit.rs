@@ -167,7 +167,7 @@ mod tests {
         }
         assert!(edges.values().all(|&n| n == 0), "every edge has two sides");
         assert!(
-            (0.004..0.012).contains(&volume),
+            (0.010..0.020).contains(&volume),
             "litres: {}",
             1000.0 * volume
         );
