@@ -67,6 +67,8 @@ mod foliage;
 mod gpu;
 #[path = "abi/ink.rs"]
 mod ink;
+#[path = "abi/ink_looks.rs"]
+mod ink_looks;
 #[path = "abi/lamps.rs"]
 mod lamps;
 #[path = "abi/leaf.rs"]
@@ -79,6 +81,7 @@ mod render;
 pub use foliage::*;
 pub use gpu::*;
 pub use ink::*;
+pub use ink_looks::*;
 pub use lamps::*;
 pub use leaf::*;
 pub use light::*;
@@ -91,6 +94,7 @@ pub fn glsl() -> String {
         gpu::glsl(),
         foliage::glsl(),
         ink::glsl(),
+        ink_looks::glsl(),
         leaf::glsl(),
         light::glsl(),
         lamps::glsl(),
@@ -107,6 +111,7 @@ pub fn layouts() -> Vec<StructLayout> {
         gpu::layouts(),
         foliage::layouts(),
         ink::layouts(),
+        ink_looks::layouts(),
         leaf::layouts(),
         light::layouts(),
         lamps::layouts(),

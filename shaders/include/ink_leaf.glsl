@@ -23,7 +23,9 @@ vec3 turned_normal(InkLeaf leaf, vec3 outward, vec3 to_viewer, float orientation
     n = dot(n, n) > 1e-12 ? normalize(n) : outward;
     vec3 seen = dot(n, to_viewer) < 0.0 ? -n : n;
     vec3 t = mix(seen, to_viewer, facing);
-    return facing > 0.0 && dot(t, t) > 1e-12 ? normalize(t) : n;
+    t = dot(t, t) > 1e-12 ? normalize(t) : to_viewer;
+    // The side that it showed stays: nothing turns over when facing sets in.
+    return facing > 0.0 ? (dot(n, to_viewer) < 0.0 ? -t : t) : n;
 }
 
 // The axis after the smallest turn that takes `from` (or its opposite) to `to`.
@@ -34,6 +36,21 @@ vec3 turned_axis(vec3 axis, vec3 from, vec3 to) {
     // Rodrigues' formula with 1 / (1 + c); c is at least 0.
     vec3 a = axis + cross(w, axis) + cross(w, cross(w, axis)) / (1.0 + c);
     return normalize(a - dot(a, to) * to);
+}
+
+// The axis turned in the leaf's plane towards `along` (or its opposite): strokes that go round.
+vec3 swirled_axis(vec3 axis, vec3 normal, vec3 along, float swirl) {
+    vec3 a = along - dot(along, normal) * normal;
+    float size = length(a);
+    a = dot(a, axis) < 0.0 ? -a : a;
+    vec3 turned = mix(axis, a / max(size, 1e-6), swirl * smoothstep(0.0, 0.2, size));
+    return dot(turned, turned) > 1e-8 ? normalize(turned) : axis;
+}
+
+// Size of a leaf when a share of them is kept: it shrinks over a small part of the order before it
+// is gone, so that nothing pops. All have their size where all are kept.
+float presence(float rank, float kept) {
+    return clamp((kept * (1.0 + INK_FADE) - rank) / INK_FADE, 0.0, 1.0);
 }
 
 #endif

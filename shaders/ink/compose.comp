@@ -15,6 +15,9 @@ layout(constant_id = 3) const bool SHADING = false;
 layout(constant_id = 4) const bool COLOUR = false;
 // Pixels have styles, and this pass is about one of them.
 layout(constant_id = 5) const bool MIXED = false;
+layout(constant_id = 6) const bool LIGHT = false;
+layout(constant_id = 7) const bool EDGES = false;
+layout(constant_id = 8) const bool WASH = false;
 layout(set = 0, binding = 0) uniform sampler2D depth_map;
 layout(set = 0, binding = 1) uniform sampler2D albedo_map;
 layout(set = 0, binding = 2) uniform sampler2D normal_map;
@@ -25,6 +28,9 @@ layout(set = 0, binding = 6) uniform sampler2D tiles;
 layout(set = 0, binding = 7, rgba16f) uniform restrict writeonly image2D picture;
 layout(set = 0, binding = 8) uniform sampler2D ids_map;
 layout(set = 0, binding = 9, scalar) restrict readonly buffer Styles { InkStyle styles[]; };
+layout(set = 0, binding = 10) uniform sampler2D light_map;
+layout(set = 0, binding = 11) uniform sampler2D edges_map;
+layout(set = 0, binding = 12) uniform sampler2D wash_map;
 layout(push_constant, scalar) uniform Push { InkCompose push; };
 
 // Contours are one pixel wide: widened to the width of the style that they are of.
@@ -46,6 +52,14 @@ float line(ivec2 pixel) {
     return most;
 }
 
+// What shading multiplies colours by: the light of sun and sky, in steps where the style has them.
+vec3 shade(float tone, vec2 light) {
+    float top = push.steps > 0.0 ? min((floor(tone * push.steps) + 0.5) / push.steps, 1.0) : tone;
+    float stepped = mix(tone, top, push.hardness) / max(tone, 1e-4);
+    vec3 both = LIGHT ? light.x * push.sun + light.y * push.sky : vec3(tone);
+    return mix(vec3(1.0), push.exposure * stepped * both, push.shading);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
@@ -60,13 +74,13 @@ void main() {
         dry *= 1.0 - line(pixel);
     }
     if (texelFetch(depth_map, pixel, 0).r > 0.0) {
-        float tone = SHADING || HATCHING ? texelFetch(normal_map, pixel, 0).w : 1.0;
+        vec4 light = LIGHT ? texelFetch(light_map, pixel, 0) : texelFetch(normal_map, pixel, 0);
+        float tone = SHADING || HATCHING ? light.w : 1.0;
         if (COLOUR) {
             under = mix(under, texelFetch(albedo_map, pixel, 0).rgb, push.colour);
         }
         if (SHADING) {
-            float stepped = push.steps > 0.0 ? (floor(tone * push.steps) + 0.5) / push.steps : tone;
-            under *= mix(1.0, stepped, push.shading);
+            under = min(under * shade(tone, light.xy), vec3(1.0));
         }
         if (SILHOUETTE) {
             dry *= 1.0 - push.silhouette * texelFetch(silhouette_map, pixel, 0).r;
@@ -75,6 +89,12 @@ void main() {
             float darkness = pow(clamp(1.0 - tone / max(push.white, 1e-3), 0.0, 1.0), push.gamma);
             dry *= 1.0 - push.hatching * ink_of_tile(tiles, texelFetch(hatch_map, pixel, 0).xyz, darkness);
         }
+    }
+    if (EDGES) {
+        dry *= 1.0 - push.edges * texelFetch(edges_map, pixel, 0).r;
+    }
+    if (WASH) {
+        under = mix(under, texelFetch(wash_map, pixel, 0).rgb, push.wash);
     }
     imageStore(picture, pixel, vec4(mix(push.ink, under, dry), 1.0));
 }

@@ -17,30 +17,38 @@ layout(location = 3) flat in vec4 in_normal;
 layout(location = 4) flat in uvec4 in_ids;
 layout(location = 5) flat in vec2 in_direction;
 
-// Whether the shape of the threshold covers the place: 128 of 255 is the leaf's outline.
-bool covered(vec2 local) {
-    float size = float(INK_SHAPE_SIZE);
-    vec2 inside = clamp((vec2(local.x, -local.y) * 0.5 + 0.5) * size, vec2(0.5), vec2(size - 0.5));
-    vec2 at = vec2(inside.x, inside.y + size * float(in_ids.z)) / vec2(textureSize(shapes, 0));
-    float alpha = textureLod(shapes, at, 0.0).r * (255.0 / 128.0);
-    return dot(local, local) <= 1.0 && alpha >= styles[in_ids.w].shape;
-}
+layout(location = 6) flat in vec4 in_colour;
+layout(location = 7) flat in vec3 in_tint;
 
 #include "ink_hatch.glsl"
+#include "ink_noise.glsl"
+#include "ink_shape.glsl"
+
+// The texture's colour, or the leaf's mean; the mean too where the shape is larger than the leaf
+// and a texture has nothing to show. Bristles of a brush leave streaks along the leaf.
+vec3 leaf_colour(InkStyle style, float alpha) {
+    vec3 texel = texture(base_color_map, in_texcoord).rgb;
+    float within = smoothstep(0.97, 1.0, alpha);
+    vec3 colour = mix(in_colour.rgb, texel, within * (1.0 - style.flatness));
+    float streak = value_noise(vec2(in_local.x * 9.0, in_local.y * 0.7) + in_colour.a * 4096.0, 3u);
+    return push.base_color.rgb * colour * in_tint * (1.0 + style.bristles * (1.4 * streak - 0.7));
+}
 
 Attributes leaf_attributes() {
-    if (!covered(in_local)) {
+    InkStyle style = styles[in_ids.w];
+    float alpha = leaf_alpha(shapes, in_local, in_ids.z);
+    if (alpha < style.shape) {
         discard;
     }
     Attributes a;
-    a.albedo = push.base_color.rgb * texture(base_color_map, in_texcoord).rgb;
+    a.albedo = leaf_colour(style, alpha);
     a.normal = in_normal.xyz;
     a.tone = in_normal.w;
     a.depth = dot(in_position - frame.eye, frame.forward);
     a.ids = vec2(style_and_object(in_ids.w, in_ids.x), float(in_ids.y) + 1.0);
     a.direction = in_direction;
     InkCluster cluster = clusters[in_ids.y];
-    vec2 packing = vec2(styles[in_ids.w].packing, styles[in_ids.w].packing_steps);
+    vec2 packing = vec2(style.packing, style.packing_steps);
     a.hatch = hatch_coordinates(cluster, gl_FragCoord.xy, a.depth, packing);
     return a;
 }

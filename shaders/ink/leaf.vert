@@ -3,6 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
 #include "ink_leaf.glsl"
+#include "random.glsl"
 #include "tone.glsl"
 
 // A leaf: moved towards its cluster's sphere, turned, enlarged, on a square that its shape fits in.
@@ -20,9 +21,20 @@ layout(location = 2) out vec2 out_texcoord;
 layout(location = 3) flat out vec4 out_normal;
 layout(location = 4) flat out uvec4 out_ids;
 layout(location = 5) flat out vec2 out_direction;
+layout(location = 6) flat out vec4 out_colour;
+layout(location = 7) flat out vec3 out_tint;
 
 const vec2 CORNERS[6] = vec2[](vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0),
                                vec2(-1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0));
+
+// A leaf's own shade: brightness and hue, both the wider the more they vary.
+vec3 leaf_tint(float rank, float variation) {
+    uint key = pcg(uint(rank * 16777216.0));
+    float bright = exp2(2.0 * variation * (random(key, 0u) - 0.5));
+    float warm = random(key, 1u) - 0.5;
+    float cold = random(key, 2u) - 0.5;
+    return bright * exp2(1.6 * variation * vec3(warm, 0.3 * cold, -warm + cold));
+}
 
 void main() {
     uint vertex = uint(gl_VertexIndex);
@@ -37,17 +49,25 @@ void main() {
     // contours depends on the place in the picture.
     vec3 normal = turned_normal(leaf, outward, -frame.forward, style.orientation, style.facing);
     vec3 axis = turned_axis(leaf.axis, leaf.normal, normal);
-    float radius = placement.rank < style.kept ? leaf.radius * style.size : 0.0;
-    vec3 position = place + radius * (local.x * cross(axis, normal) + local.y * axis);
+    axis = swirled_axis(axis, normal, cross(outward, frame.forward), style.swirl);
+    float radius = leaf.radius * style.size * presence(placement.rank, style.kept);
+    // Longer and narrower, with the area that it had.
+    vec2 extent = radius * vec2(inversesqrt(style.elongation), sqrt(style.elongation));
+    vec3 position = place + extent.x * local.x * cross(axis, normal) + extent.y * local.y * axis;
 
+    // A leaf that faces the viewer is lit as it was.
+    vec3 lit = turned_normal(leaf, outward, -frame.forward, style.orientation, 0.0);
     vec3 round_normal = normalize(mix(outward, leaf.crown_normal, style.crown));
-    vec3 shading = normalize(mix(normal, round_normal, max(style.orientation, style.crown)));
+    vec3 shading = normalize(mix(lit, round_normal, max(style.orientation, style.crown)));
     float open = 1.0 - style.depth_of_crown * (1.0 - leaf.ambient);
     out_position = position;
     out_local = local;
     vec2 uv = leaf.texcoord + local.x * leaf.texcoord_across + local.y * leaf.texcoord_along;
     out_texcoord = vec2(dot(push.texcoord_u, vec3(uv, 1.0)), dot(push.texcoord_v, vec3(uv, 1.0)));
-    out_normal = vec4(shading, ink_tone(shading, frame.to_sun, style.ambient, open));
+    float shortened = mix(1.0, leaf.ambient, style.shorten);
+    out_normal = vec4(shading * shortened, ink_tone(shading, frame.to_sun, style, open));
+    out_colour = vec4(leaf.colour, placement.rank);
+    out_tint = leaf_tint(placement.rank, style.variation);
     out_ids = uvec4(leaf.object, placement.cluster, leaf.shape, placement.style);
     out_direction = vec2(dot(outward, frame.right), -dot(outward, frame.up));
     gl_Position = frame.relative_to_clip * vec4(position, 1.0);

@@ -10,7 +10,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0) uniform sampler2D ids_map;
 layout(set = 0, binding = 1) uniform sampler2D direction_map;
-layout(set = 0, binding = 2) uniform sampler2D normal_map;
+layout(set = 0, binding = 2) uniform sampler2D tone_map;
 layout(set = 0, binding = 3) uniform sampler2D contour_map;
 layout(set = 0, binding = 4) uniform sampler2D strokes;
 layout(set = 0, binding = 5, scalar) restrict readonly buffer Clusters { InkCluster clusters[]; };
@@ -67,7 +67,7 @@ void main() {
             float repeats = max(1.0, floor(around + 0.5));
             vec2 at = vec2(repeats * angle / 6.28318531, (float(steps) + 0.5) / float(push.reach));
             vec4 channels = textureLod(strokes, at, 0.0);
-            float shade = 3.0 * clamp(texelFetch(normal_map, pixel, 0).w, 0.0, 1.0);
+            float shade = 3.0 * clamp(texelFetch(tone_map, pixel, 0).w, 0.0, 1.0);
             uint first = uint(floor(shade + (push.blend != 0u ? 0.0 : 0.5)));
             float next = channels[min(first + 1u, 3u)];
             ink = push.blend != 0u ? mix(channels[min(first, 3u)], next, fract(shade)) : channels[min(first, 3u)];

@@ -47,7 +47,7 @@ Attributes wood_attributes() {
     a.depth = dot(in_position - frame.eye, frame.forward);
     uint number = wood_style(a.depth);
     InkStyle style = styles[number];
-    a.tone = ink_tone(n, frame.to_sun, style.ambient, 0.85);
+    a.tone = ink_tone(n, frame.to_sun, style, 0.85);
     a.ids = vec2(style_and_object(number, push.object), float(in_cluster));
     a.direction = in_cluster > 0u ? vec2(dot(n, frame.right), -dot(n, frame.up)) : vec2(0.0);
     vec4 dx = dFdx(in_hatch);

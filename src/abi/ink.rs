@@ -24,6 +24,8 @@ abi! {
         INK_STYLES: u32 = 8;
         /// Objects of one picture at most; the upper half are wood.
         INK_OBJECTS: u32 = 2097152;
+        /// Part of the order of leaves over which one shrinks before it is dropped.
+        INK_FADE: f32 = 0.04;
         /// Texels along an edge of the shape of a leaf.
         INK_SHAPE_SIZE: u32 = 160;
         /// Steps of the silhouette search at most.
@@ -74,6 +76,8 @@ abi! {
             texcoord_across: [f32; 2],
             /// Their change per radius along.
             texcoord_along: [f32; 2],
+            /// Mean linear colour of the texture over the leaf.
+            colour: [f32; 3],
         }
 
         /// What the style of a leaf makes of it.
@@ -118,6 +122,22 @@ abi! {
             contour: f32,
             /// Half width of contours, pixels.
             half_width: f32,
+            /// How far sunlight reaches round a surface, 0 (Lambert) to 1.
+            wrap: f32,
+            /// Share of the sun that shadows take, 0 to 1.
+            shadow: f32,
+            /// How far the ambient coefficient shortens normals, 0 to 1.
+            shorten: f32,
+            /// Length over width, against what the leaf has.
+            elongation: f32,
+            /// From the leaf's own axis to round the cluster, 0 to 1.
+            swirl: f32,
+            /// From the texture to one colour a leaf, 0 to 1.
+            flatness: f32,
+            /// Differences between the colours of leaves, 0 to 1.
+            variation: f32,
+            /// Streaks of a brush along leaves, 0 to 1.
+            bristles: f32,
         }
 
         /// Where a part of a mix is, besides its objects, materials and mask.
@@ -311,6 +331,18 @@ abi! {
             white: f32,
             /// Exponent on the darkness that hatching gives.
             gamma: f32,
+            /// Share of the steps in shading, 0 to 1.
+            hardness: f32,
+            /// Linear colour of sunlight.
+            sun: [f32; 3],
+            /// Factor on the light.
+            exposure: f32,
+            /// Linear colour of the light from all around.
+            sky: [f32; 3],
+            /// Strength of edges in the normals.
+            edges: f32,
+            /// Share of the wash in what is under the lines.
+            wash: f32,
         }
     }
 }

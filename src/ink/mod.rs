@@ -1,6 +1,7 @@
 //! Pen and ink: foliage as drawn clusters of leaves (Coconu, Deussen, Hege 2006; Deussen,
 //! Strothotte 2000).
 
+pub mod blend;
 pub mod bodies;
 pub mod branches;
 pub mod clusters;
@@ -13,6 +14,8 @@ pub mod plant;
 pub mod renderer;
 pub mod shape;
 pub mod shape_outline;
+pub mod shown;
 pub mod strokes;
 pub mod style;
+mod style_looks;
 pub mod view;

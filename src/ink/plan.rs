@@ -73,13 +73,21 @@ impl Attribute {
 }
 
 /// Every pass, in the order in which they run.
-pub const PASSES: [&str; 5] = [
+pub const PASSES: [&str; 11] = [
+    "ink sun",
     "ink stage 1",
+    "ink light",
     "ink contour",
     "ink clean",
     "ink silhouette",
+    "ink edges",
+    "ink soften across",
+    "ink soften down",
+    "ink wash",
     "ink compose",
 ];
+/// How many of them, the first, run once whatever styles there are.
+pub(super) const SHARED: usize = 3;
 
 /// What a picture in a style takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,6 +104,14 @@ pub struct InkPlan {
     pub shading: bool,
     /// The model's colours show.
     pub colour: bool,
+    /// The plant's shadow on itself is searched.
+    pub shadow: bool,
+    /// Sun and sky are told apart behind stage 1.
+    pub light: bool,
+    /// Lines are drawn where normals turn.
+    pub edges: bool,
+    /// Transparent paint is laid under the lines.
+    pub wash: bool,
     /// The foliage bake is needed (normals and ambient coefficient of crowns).
     pub crown: bool,
 }
@@ -107,25 +123,32 @@ impl InkPlan {
         let silhouette = style.silhouette.strength > 0.0;
         let hatching = style.hatching.strength > 0.0;
         let shading = style.shading.strength > 0.0;
-        let tone = silhouette || hatching || shading;
+        let (edges, wash) = (style.edges.strength > 0.0, style.wash.strength > 0.0);
+        let tone = silhouette || hatching || shading || wash;
+        let shadow = tone && style.shading.shadow > 0.0;
         Self {
+            shadow,
+            light: shadow || (shading && style.shading.is_tinted()),
+            edges,
+            wash,
             contour: style.contour.strength > 0.0 || silhouette,
             detail: style.contour.detail > 0.0,
             silhouette,
             hatching,
             shading,
             colour: style.shading.colour > 0.0,
-            crown: tone && (style.shading.crown > 0.0 || style.shading.depth > 0.0),
+            crown: (tone && (style.shading.crown > 0.0 || style.shading.depth > 0.0))
+                || (edges && (style.shading.crown > 0.0 || style.edges.ambient > 0.0)),
         }
     }
 
     /// Attributes of stage 1, in the order of its targets.
     #[must_use]
     pub fn attributes(&self) -> Vec<Attribute> {
-        let tone = self.silhouette || self.hatching || self.shading;
+        let tone = self.silhouette || self.hatching || self.shading || self.wash;
         let wanted = |a: &Attribute| match a {
-            Attribute::Albedo => self.colour,
-            Attribute::Normal => tone,
+            Attribute::Albedo => self.colour || self.wash,
+            Attribute::Normal => tone || self.edges,
             Attribute::Depth => true,
             Attribute::Ids => self.contour,
             Attribute::Direction => self.silhouette || (self.contour && self.detail),
@@ -140,16 +163,25 @@ impl InkPlan {
         let has = |pass: &&str| match *pass {
             "ink contour" | "ink clean" => self.contour,
             "ink silhouette" => self.silhouette,
+            "ink sun" => self.shadow,
+            "ink light" => self.light,
+            "ink edges" => self.edges,
+            "ink soften across" | "ink soften down" | "ink wash" => self.wash,
             _ => true,
         };
         PASSES.into_iter().filter(has).collect()
     }
 
-    /// Bytes of the images of stage 1 and 2 for a picture of `size` pixels.
+    /// Bytes of the images of stage 1 and 2 for a picture of `size` pixels, without the sun's map.
     #[must_use]
     pub fn bytes(&self, [width, height]: [u32; 2]) -> u64 {
         let lines = 2 * u64::from(self.contour) + u64::from(self.silhouette);
-        bytes_per_pixel(&self.attributes(), lines) * u64::from(width) * u64::from(height)
+        let light = u64::from(self.light) * Format::Rgba16Float.bytes();
+        // Of a wash colour and tone twice, and its paint.
+        let own = u64::from(self.edges) * Format::R32Float.bytes()
+            + 5 * u64::from(self.wash) * Format::Rgba16Float.bytes();
+        let pixel = bytes_per_pixel(&self.attributes(), lines) + light + own;
+        pixel * u64::from(width) * u64::from(height)
     }
 }
 

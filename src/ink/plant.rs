@@ -11,12 +11,15 @@ use super::leaves::{Leaf, LeafTriangles, leaves};
 use super::shape::Shape;
 use super::style::Style;
 use crate::abi::InkLeaf;
+use crate::math::colour::srgb_to_linear;
 use crate::scene::textures::{self, Rgba8};
 use crate::scene::{AlphaMode, Geometry, Material, Model, Wrap};
 use crate::{Error, Result};
 
 /// Different shapes of one plant; further ones look like the first of their material.
 const SHAPES: usize = 64;
+/// Places along an edge at which a leaf's colour is read.
+const SAMPLES: usize = 24;
 /// Alpha from which on a blended material is leaf.
 const BLEND_CUTOFF: f32 = 0.5;
 
@@ -33,6 +36,8 @@ pub struct Plant {
     pub objects: Vec<String>,
     /// Shapes that leaves name.
     pub shapes: Vec<Shape>,
+    /// Mean linear colour of the texture within each shape; white without one.
+    pub colours: Vec<Vec3>,
     /// Shape of each leaf.
     pub shape_of: Vec<u32>,
     /// Unit normal of the crown and ambient coefficient about each leaf.
@@ -104,7 +109,8 @@ impl Plant {
         crown = order.iter().map(|&i| crown[i]).collect();
         let centres: Vec<Vec3> = found.iter().map(|l| l.centre).collect();
         let (mut clusters, set_of_style) = sets(&centres, styles, gather)?;
-        let (shapes, shape_of) = shapes(model, geometry, triangles, &kept, &found, &order)?;
+        let (shapes, colours, shape_of) =
+            shapes(model, geometry, triangles, &kept, &found, &order)?;
         let mut radii: Vec<f32> = found.iter().map(|l| l.radius).collect();
         radii.sort_by(f32::total_cmp);
         let mut batches: Vec<(u32, std::ops::Range<u32>)> = Vec::new();
@@ -140,6 +146,7 @@ impl Plant {
             set_of_style,
             objects: model.instances.iter().map(|i| i.name.clone()).collect(),
             shapes,
+            colours,
             shape_of,
             crown,
             batches,
@@ -201,6 +208,7 @@ impl Plant {
                 texcoord: leaf.texcoord.to_array(),
                 texcoord_across: across.to_array(),
                 texcoord_along: along.to_array(),
+                colour: self.colours[self.shape_of[i] as usize].to_array(),
             }
         };
         self.leaves.iter().enumerate().map(record).collect()
@@ -309,13 +317,13 @@ fn shapes(
     kept: &[Option<u32>],
     leaves: &[Leaf],
     order: &[usize],
-) -> Result<(Vec<Shape>, Vec<u32>)> {
+) -> Result<(Vec<Shape>, Vec<Vec3>, Vec<u32>)> {
     // Leaves that were kept, by their first number: where their triangles are.
     let source: Vec<usize> = (0..kept.len()).filter(|&i| kept[i].is_some()).collect();
     let mut images: HashMap<usize, Rgba8> = HashMap::new();
     let mut known: HashMap<(u32, [i32; 6]), u32> = HashMap::new();
     let mut first_of: HashMap<u32, u32> = HashMap::new();
-    let mut shapes = Vec::new();
+    let (mut shapes, mut colours) = (Vec::new(), Vec::new());
     let mut of_leaf = Vec::with_capacity(leaves.len());
     for (leaf, &from) in leaves.iter().zip(order) {
         let key = (leaf.material, key(leaf));
@@ -346,12 +354,53 @@ fn shapes(
                 && cut.as_ref().is_none_or(|c| c.shows(leaf.texcoord_at(p)))
         };
         let shape = shapes.len() as u32;
-        shapes.push(Shape::new(covers));
+        shapes.push(Shape::new(&covers));
+        let places = (0..SAMPLES * SAMPLES).map(|i| {
+            let at = |k: usize| (2 * k + 1) as f32 / SAMPLES as f32 - 1.0;
+            Vec2::new(at(i % SAMPLES), at(i / SAMPLES))
+        });
+        let within: Vec<Vec2> = places.filter(|&p| covers(p)).collect();
+        colours.push(colour(model, material, &mut images, (leaf, &within))?);
         known.insert(key, shape);
         first_of.entry(leaf.material).or_insert(shape);
         of_leaf.push(shape);
     }
-    Ok((shapes, of_leaf))
+    Ok((shapes, colours, of_leaf))
+}
+
+/// Mean colour of the texture at places of a leaf.
+fn colour(
+    model: &Model,
+    material: &Material,
+    images: &mut HashMap<usize, Rgba8>,
+    (leaf, places): (&Leaf, &[Vec2]),
+) -> Result<Vec3> {
+    let Some(reference) = material.base_color_texture.filter(|_| !places.is_empty()) else {
+        return Ok(Vec3::ONE);
+    };
+    let texture = &model.textures[reference.texture];
+    let texels = Cut {
+        image: decoded(model, texture.image, images)?,
+        least: 0.0,
+        transform: reference.transform,
+        wrap: [texture.wrap_u, texture.wrap_v],
+    };
+    let sum: Vec3 = places
+        .iter()
+        .map(|&p| texels.colour(leaf.texcoord_at(p)))
+        .sum();
+    Ok(sum / places.len() as f32)
+}
+
+fn decoded<'a>(
+    model: &Model,
+    image: usize,
+    images: &'a mut HashMap<usize, Rgba8>,
+) -> Result<&'a Rgba8> {
+    Ok(match images.entry(image) {
+        Entry::Occupied(known) => known.into_mut(),
+        Entry::Vacant(new) => new.insert(textures::decode(&model.images[image])?),
+    })
 }
 
 /// Place in the texture to a hundredth: leaves of one key look alike.
@@ -368,7 +417,7 @@ fn inside(p: Vec2, [a, b, c]: &[Vec2; 3]) -> bool {
     (x >= 0.0 && y >= 0.0 && z >= 0.0) || (x <= 0.0 && y <= 0.0 && z <= 0.0)
 }
 
-/// Alpha of a masked material.
+/// The texture of a material, read on the host.
 struct Cut<'a> {
     image: &'a Rgba8,
     least: f32,
@@ -378,6 +427,15 @@ struct Cut<'a> {
 
 impl Cut<'_> {
     fn shows(&self, uv: Vec2) -> bool {
+        f32::from(self.texel(uv)[3]) / 255.0 >= self.least
+    }
+
+    fn colour(&self, uv: Vec2) -> Vec3 {
+        let [r, g, b, _] = self.texel(uv);
+        Vec3::from([r, g, b].map(|v| srgb_to_linear(f32::from(v) / 255.0)))
+    }
+
+    fn texel(&self, uv: Vec2) -> [u8; 4] {
         let [u, v] = self.transform.map(|m| m[0] * uv.x + m[1] * uv.y + m[2]);
         let along = |at: f32, size: u32, wrap: Wrap| {
             let at = match wrap {
@@ -389,8 +447,8 @@ impl Cut<'_> {
         };
         let x = along(u, self.image.width, self.wrap[0]);
         let y = along(v, self.image.height, self.wrap[1]);
-        let alpha = self.image.pixels[4 * (y * self.image.width as usize + x) + 3];
-        f32::from(alpha) / 255.0 >= self.least
+        let at = 4 * (y * self.image.width as usize + x);
+        [0, 1, 2, 3].map(|k| self.image.pixels[at + k])
     }
 }
 
@@ -408,12 +466,8 @@ fn cut<'a>(
         return Ok(None);
     };
     let texture = &model.textures[reference.texture];
-    let image = match images.entry(texture.image) {
-        Entry::Occupied(known) => known.into_mut(),
-        Entry::Vacant(new) => new.insert(textures::decode(&model.images[texture.image])?),
-    };
     Ok(Some(Cut {
-        image,
+        image: decoded(model, texture.image, images)?,
         least: cutoff / material.base_color[3].max(f32::MIN_POSITIVE),
         transform: reference.transform,
         wrap: [texture.wrap_u, texture.wrap_v],

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::strokes::{Listed, Stroke, band_of, outline_of, tile_of};
+use super::style_looks;
+pub use super::style_looks::{Edges, Shading, Wash};
 use crate::{Error, Result};
 
 /// Version of style files.
@@ -39,6 +41,12 @@ pub struct Style {
     /// Light.
     #[serde(default)]
     pub shading: Shading,
+    /// Lines where normals turn.
+    #[serde(default)]
+    pub edges: Edges,
+    /// Transparent paint.
+    #[serde(default)]
+    pub wash: Wash,
     /// Paper and ink.
     #[serde(default)]
     pub paper: Paper,
@@ -62,6 +70,10 @@ pub struct Leaves {
     pub size: f32,
     /// From the leaf's outline (1) to the disc around it (0).
     pub shape: f32,
+    /// Length over width, times what the leaf has, 0.1 to 10; the area stays.
+    pub elongation: f32,
+    /// From the leaf's own direction (0) to round its cluster, as the viewer sees it (1).
+    pub swirl: f32,
     /// Share of the leaves that is drawn; the rest is dropped in a fixed random order.
     pub kept: f32,
     /// Enlarges the leaves that are left, so that their area stays (1), or not (0).
@@ -81,6 +93,8 @@ impl Default for Leaves {
             facing: 0.0,
             size: 1.0,
             shape: 1.0,
+            elongation: 1.0,
+            swirl: 0.0,
             kept: 1.0,
             enlarge: 1.0,
             outline: None,
@@ -277,37 +291,6 @@ impl Default for Hatching {
     }
 }
 
-/// Light on leaves and wood.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Shading {
-    /// Share of shading under the lines, 0 to 1.
-    pub strength: f32,
-    /// Share of the model's colours, 0 to 1.
-    pub colour: f32,
-    /// Steps of tone; 0: smooth.
-    pub steps: u32,
-    /// From the clusters' normals (0) to those of the crown (1).
-    pub crown: f32,
-    /// Light from all around, 0 to 1.
-    pub ambient: f32,
-    /// How far the crown darkens leaves within, 0 to 1.
-    pub depth: f32,
-}
-
-impl Default for Shading {
-    fn default() -> Self {
-        Self {
-            strength: 0.0,
-            colour: 0.0,
-            steps: 0,
-            crown: 0.5,
-            ambient: 0.25,
-            depth: 0.7,
-        }
-    }
-}
-
 /// Paper and ink.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -328,15 +311,26 @@ impl Default for Paper {
 }
 
 /// Built-in styles: name and file.
-pub const PRESETS: [(&str, &str); 5] = [
+pub const PRESETS: [(&str, &str); 13] = [
     ("full", include_str!("presets/full.toml")),
+    ("half", include_str!("presets/half.toml")),
     ("minimal", include_str!("presets/minimal.toml")),
+    ("normal-edges", include_str!("presets/normal-edges.toml")),
+    (
+        "normal-edges-original",
+        include_str!("presets/normal-edges-original.toml"),
+    ),
     ("outline", include_str!("presets/outline.toml")),
+    ("photo", include_str!("presets/photo.toml")),
+    ("pointillist", include_str!("presets/pointillist.toml")),
     (
         "silhouette-hatching",
         include_str!("presets/silhouette-hatching.toml"),
     ),
     ("smooth", include_str!("presets/smooth.toml")),
+    ("toon", include_str!("presets/toon.toml")),
+    ("van-gogh", include_str!("presets/van-gogh.toml")),
+    ("watercolour", include_str!("presets/watercolour.toml")),
 ];
 
 impl Style {
@@ -438,7 +432,7 @@ impl Style {
     /// The first that does not, with its range.
     pub fn check(&self) -> std::result::Result<(), String> {
         let (l, c, s) = (&self.leaves, &self.contour, &self.silhouette);
-        let (h, g, p) = (&self.hatching, &self.shading, &self.paper);
+        let (h, p) = (&self.hatching, &self.paper);
         let numbers = [
             ("leaves.cluster_radius", l.cluster_radius, 0.001, 1.0),
             ("leaves.displacement", l.displacement, 0.0, 1.0),
@@ -446,6 +440,8 @@ impl Style {
             ("leaves.facing", l.facing, 0.0, 1.0),
             ("leaves.size", l.size, 0.0, 20.0),
             ("leaves.shape", l.shape, 0.0, 1.0),
+            ("leaves.elongation", l.elongation, 0.1, 10.0),
+            ("leaves.swirl", l.swirl, 0.0, 1.0),
             ("leaves.kept", l.kept, 0.0, 1.0),
             ("leaves.enlarge", l.enlarge, 0.0, 1.0),
             (
@@ -479,16 +475,12 @@ impl Style {
             ("hatching.tones", h.tones as f32, 2.0, 64.0),
             ("hatching.white", h.white, 0.0, 1.0),
             ("hatching.gamma", h.gamma, 0.1, 10.0),
-            ("shading.strength", g.strength, 0.0, 1.0),
-            ("shading.colour", g.colour, 0.0, 1.0),
-            ("shading.steps", g.steps as f32, 0.0, 64.0),
-            ("shading.crown", g.crown, 0.0, 1.0),
-            ("shading.ambient", g.ambient, 0.0, 1.0),
-            ("shading.depth", g.depth, 0.0, 1.0),
         ];
         let colours = p.colour.iter().map(|&v| ("paper.colour", v, 0.0, 1.0));
         let inks = p.ink.iter().map(|&v| ("paper.ink", v, 0.0, 1.0));
-        for (name, value, low, high) in numbers.into_iter().chain(colours).chain(inks) {
+        let looks = style_looks::numbers(&self.shading, &self.edges, &self.wash);
+        let all = numbers.into_iter().chain(looks).chain(colours).chain(inks);
+        for (name, value, low, high) in all {
             // Also false for NaN.
             if !(value >= low && value <= high) {
                 return Err(format!("{name} = {value}: expected {low} to {high}"));

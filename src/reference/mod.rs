@@ -9,6 +9,7 @@ pub mod generators;
 pub mod gloss_rays;
 pub mod ink;
 pub mod ink_body;
+pub mod ink_looks;
 pub mod ink_tile;
 pub mod ink_wood;
 pub mod lamps;

@@ -21,13 +21,13 @@ use crate::small_model::small_tree;
 
 /// A leaf of the test: a square card around a disc, at a depth below 0.
 #[derive(Debug, Clone, Copy)]
-struct Disc {
-    at: Vec3,
-    radius: f32,
+pub(crate) struct Disc {
+    pub(crate) at: Vec3,
+    pub(crate) radius: f32,
 }
 
 /// Cards that face +z; each becomes the disc around it.
-fn cards(discs: &[Disc]) -> Model {
+pub(crate) fn cards(discs: &[Disc]) -> Model {
     let mut card = Primitive::default();
     for disc in discs {
         let first = card.positions.len() as u32;

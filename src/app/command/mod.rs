@@ -15,5 +15,6 @@ mod lit_sheet;
 pub mod render;
 pub mod render_ink;
 pub mod render_lit;
+mod render_looks;
 pub mod settings;
 pub mod surface;

@@ -30,6 +30,9 @@ use crate::{Error, Result};
 /// # Errors
 /// Wrong input, style or settings, a model without leaves, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
+    if super::render_looks::wanted(&args.ink) {
+        return super::render_looks::run(context, args);
+    }
     let named = args.ink.style.as_deref().unwrap_or_default();
     let mix = Mix::named(named)?;
     picture_settings(None, &args.picture)?;
@@ -170,7 +173,7 @@ fn name_objects(plant: &mut Plant, prepared: &Prepared) {
 }
 
 /// Means of `factor` x `factor` pixels, as sRGB.
-fn reduced(drawing: &Drawing, factor: u32) -> Picture {
+pub(super) fn reduced(drawing: &Drawing, factor: u32) -> Picture {
     let [width, height] = drawing.size.map(|s| s / factor);
     let row = drawing.size[0] as usize;
     let half = |at: usize| {

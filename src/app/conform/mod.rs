@@ -11,6 +11,7 @@ mod foliage_surface;
 mod gloss_rays;
 mod gpu;
 mod ink;
+mod ink_looks;
 mod ink_places;
 mod lamps;
 mod leaf;
@@ -106,6 +107,7 @@ pub fn cases() -> Vec<Case> {
     cases.extend(gloss_rays::cases());
     cases.extend(matrix::cases());
     cases.extend(ink::cases());
+    cases.extend(ink_looks::cases());
     cases.extend(ink_places::cases());
     cases
 }

@@ -3,7 +3,17 @@
 
 use super::rule::Mix;
 use crate::gpu::Format;
-use crate::ink::plan::{Attribute, InkPlan, PASSES};
+use crate::ink::plan::{Attribute, InkPlan, PASSES, SHARED};
+
+/// The pass of stage 1.
+const STAGE_1: &str = PASSES[SHARED - 2];
+/// Colour and tone on wet paper.
+const WET: [(&str, &str); 4] = [
+    ("ink colour across", "ink soften across"),
+    ("ink tone across", "ink soften across"),
+    ("ink colour", "ink soften down"),
+    ("ink tone", "ink soften down"),
+];
 
 /// An image that the two stages write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,8 +84,10 @@ impl MixPlan {
     /// a pass reads what others left around its pixels.
     #[must_use]
     pub fn passes(&self) -> Vec<String> {
-        let mut out = vec![PASSES[0].to_owned()];
-        for pass in &PASSES[1..] {
+        let has = |pass: &&&str| self.any(|s| s.passes().contains(*pass));
+        let shared = PASSES[..SHARED].iter().filter(has);
+        let mut out: Vec<String> = shared.map(|&pass| pass.to_owned()).collect();
+        for pass in &PASSES[SHARED..] {
             let styles = (0..).zip(&self.styles);
             let has = styles.filter(|(_, plan)| plan.passes().contains(pass));
             out.extend(has.map(|(k, _)| self.label(pass, k)));
@@ -83,16 +95,16 @@ impl MixPlan {
         out
     }
 
-    /// Images of the two stages.
+    /// Images of the two stages, without the sun's map, whose size is not the picture's.
     #[must_use]
     pub fn images(&self) -> Vec<PlannedImage> {
         let image = |name, pass, bytes| PlannedImage { name, pass, bytes };
         let mut out: Vec<PlannedImage> = self
             .attributes()
             .into_iter()
-            .map(|a| image(a.label(), PASSES[0], a.format().bytes()))
+            .map(|a| image(a.label(), STAGE_1, a.format().bytes()))
             .collect();
-        out.push(image("ink depth test", PASSES[0], Format::Depth32.bytes()));
+        out.push(image("ink depth test", STAGE_1, Format::Depth32.bytes()));
         let float = Format::R32Float.bytes();
         if self.any(|s| s.contour) {
             out.push(image("ink contour", "ink contour", float));
@@ -100,6 +112,21 @@ impl MixPlan {
         }
         if self.any(|s| s.silhouette) {
             out.push(image("ink silhouette", "ink silhouette", float));
+        }
+        let half = Format::Rgba16Float.bytes();
+        if self.any(|s| s.light) {
+            out.push(image("ink light", "ink light", half));
+        }
+        for style in &self.styles {
+            if style.edges {
+                out.push(image("ink edges", "ink edges", float));
+            }
+            if style.wash {
+                for (name, pass) in WET {
+                    out.push(image(name, pass, half));
+                }
+                out.push(image("ink wash", "ink wash", half));
+            }
         }
         if self.masked {
             out.push(image("ink masks", "upload", 4));
@@ -147,7 +174,9 @@ mod tests {
         let size = [10, 10];
         assert!(both.bytes(size) < lines.bytes(size) + strokes.bytes(size));
         let expected = [
+            "ink sun",
             "ink stage 1",
+            "ink light",
             "ink contour, outline",
             "ink contour, silhouette-hatching",
             "ink clean, outline",

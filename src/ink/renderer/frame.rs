@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::looks::Light;
 use super::pipelines::Stage1Pipelines;
 use super::stage2::Stage2;
 use super::styles::Styles;
@@ -9,13 +10,13 @@ use super::targets::Targets;
 use super::uploads::Uploads;
 use crate::Result;
 use crate::abi::{InkCluster, InkFrame};
-use crate::gpu::{Buffer, BufferInfo, Gpu, PassTime, QueueKind};
+use crate::gpu::{Buffer, BufferInfo, Gpu, PassTime, QueueKind, Work};
 use crate::ink::clusters::Cluster;
 use crate::ink::mix::{Mix, MixPlan};
 use crate::ink::motion::Course;
 use crate::ink::plan::Attribute;
 use crate::ink::plant::Plant;
-use crate::ink::style::Hatching;
+use crate::ink::style::{Hatching, Style};
 use crate::ink::view::{Hatch, View, tiles_about};
 use crate::scene::{Geometry, Model};
 
@@ -44,6 +45,9 @@ pub struct Drawing {
     /// Contour, cleaned contour and silhouette, as far as the style has them and attributes were
     /// asked for: 32-bit floats.
     pub lines: Vec<Vec<u8>>,
+    /// Sun, sky, shadow and tone (16-bit floats), as far as a style tells them apart and attributes
+    /// were asked for.
+    pub light: Vec<u8>,
 }
 
 /// Draws plants in one or several styles from any view.
@@ -65,6 +69,7 @@ pub struct InkRenderer {
     pub(super) plan: MixPlan,
     pub(super) styles: Styles,
     pub(super) stage2: Vec<Stage2>,
+    pub(super) light: Option<Light>,
 }
 
 impl std::fmt::Debug for InkRenderer {
@@ -105,8 +110,9 @@ impl InkRenderer {
             stage1: Stage1Pipelines::new(gpu, &plan.attributes())?,
             styles: Styles::new(gpu, scene, mix, view, factor)?,
             stage2: stage2
-                .map(|(k, style)| Stage2::new(gpu, &plan, k, style))
+                .map(|one| Stage2::new(gpu, &plan, one, view.size))
                 .collect::<Result<_>>()?,
+            light: Light::new(gpu, mix, &plan, view.size)?,
             plan,
         })
     }
@@ -115,6 +121,30 @@ impl InkRenderer {
     /// each view alone.
     pub fn follow(&mut self, courses: Option<&[Course]>) {
         self.courses = courses.map(<[Course]>::to_vec);
+    }
+
+    /// Draws in another style from now on, of the same plant with the same clusters. Where it takes
+    /// the same images and passes, none is made anew: what a slider needs.
+    ///
+    /// # Errors
+    /// As [`InkRenderer::new`].
+    pub fn restyle(&mut self, scene: &InkScene<'_>, style: &Style, view: &View) -> Result<()> {
+        let mix = Mix::single(style.clone());
+        let same = |old: &Style| {
+            old.seed == style.seed && old.shading.shadow_texels == style.shading.shadow_texels
+        };
+        match self.stage2.as_mut_slice() {
+            [one] if self.plan == MixPlan::new(&mix) && same(&one.style) => {
+                one.style = style.clone();
+                self.styles = Styles::new(&self.gpu, scene, &mix, view, self.factor)?;
+                self.light = match self.light.take() {
+                    Some(light) => Some(light.filtered(style)),
+                    None => None,
+                };
+            }
+            _ => *self = Self::new(&self.gpu.clone(), scene, &mix, view, self.factor)?,
+        }
+        Ok(())
     }
 
     /// Draws the plant.
@@ -136,17 +166,7 @@ impl InkRenderer {
         view: &View,
         wanted: &[Attribute],
     ) -> Result<Drawing> {
-        let mut work = self.gpu.work(QueueKind::Graphics, "ink")?;
-        work.upload("ink frame", &self.frame, &[self.styles.frame(view)])?;
-        work.upload(
-            "ink clusters",
-            &self.clusters,
-            &self.cluster_records(scene, view),
-        )?;
-        let sizes = (self.reference, self.factor);
-        self.styles.upload(&mut work, scene, view, sizes)?;
-        self.stage1(&mut work, scene)?;
-        self.stage2(&mut work, view)?;
+        let mut work = self.record(scene, view)?;
         let picture = work.read_image("ink picture", &self.targets.picture)?;
         let mut attributes = Vec::new();
         let mut lines = Vec::new();
@@ -167,6 +187,9 @@ impl InkRenderer {
         {
             lines.push(work.read_image("ink lines", image)?);
         }
+        let light = self.light.as_ref().filter(|_| !wanted.is_empty());
+        let light = light.map(|l| work.read_image("ink light", &l.image));
+        let light = light.transpose()?;
         let mut done = work.submit()?.wait()?;
         let passes = done.passes().to_vec();
         Ok(Drawing {
@@ -178,7 +201,27 @@ impl InkRenderer {
                 .map(|(a, r)| (a, done.take(r)))
                 .collect(),
             lines: lines.into_iter().map(|r| done.take(r)).collect(),
+            light: light.map(|r| done.take(r)).unwrap_or_default(),
         })
+    }
+
+    /// Records both stages.
+    pub(super) fn record(&self, scene: &InkScene<'_>, view: &View) -> Result<Work> {
+        let mut work = self.gpu.work(QueueKind::Graphics, "ink")?;
+        let frame = self.styles.frame(view);
+        work.upload("ink frame", &self.frame, &[frame])?;
+        work.upload(
+            "ink clusters",
+            &self.clusters,
+            &self.cluster_records(scene, view),
+        )?;
+        let sizes = (self.reference, self.factor);
+        self.styles.upload(&mut work, scene, view, sizes)?;
+        let sun = self.sun_view(scene, view);
+        self.sun_map(&mut work, scene, view, (&frame, &sun))?;
+        self.stage1(&mut work, scene)?;
+        self.stage2(&mut work, view, scene, &sun)?;
+        Ok(work)
     }
 
     /// The clusters as kernels see them in a view: those of one style after the other.

@@ -2,10 +2,13 @@
 //! targets at once, then lines, strokes and washes in image space.
 
 mod frame;
+mod looks;
 mod pipelines;
+mod shown;
 mod stage1;
 mod stage2;
 mod styles;
+mod sun;
 mod targets;
 mod uploads;
 

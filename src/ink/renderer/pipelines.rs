@@ -82,6 +82,9 @@ impl Stage2Pipelines {
             plan.shading,
             plan.colour,
             mix.is_mixed(),
+            plan.light,
+            plan.edges,
+            plan.wash,
         ];
         let switches: Vec<(u32, u32)> = (0..).zip(switches.map(u32::from)).collect();
         Ok(Self {

@@ -3,31 +3,19 @@
 use super::frame::{InkRenderer, InkScene};
 use crate::Result;
 use crate::abi::{INK_OBJECTS, INK_STROKES_BODY, INK_STROKES_ROUND, InkLeafDraw, InkWoodDraw};
-use crate::gpu::{Binding, DepthTarget, RenderPass, Work};
+use crate::gpu::{Binding, Buffer, DepthTarget, Draws, RenderPass, Work};
 use crate::scene::{AlphaMode, Material, Model};
 
 impl InkRenderer {
     pub(super) fn stage1(&self, work: &mut Work, scene: &InkScene<'_>) -> Result<()> {
         let u = &self.uploads;
-        let leaf_set = [
-            Binding::Read(&self.frame),
-            Binding::Read(&u.leaves),
-            Binding::Read(&self.clusters),
-            Binding::Sampled(&u.shapes, &self.targets.smooth),
-            Binding::Read(&self.styles.records),
-            Binding::Read(&self.styles.placements),
-        ];
-        let wood_set = [
-            Binding::Read(&self.frame),
-            Binding::Read(&u.positions),
-            Binding::Read(&u.normals),
-            Binding::Read(&u.texcoords),
-            Binding::Read(&u.hatches),
-            Binding::Read(&self.clusters),
+        let leaf_set = self.leaf_set(&self.frame);
+        let mut wood_set = self.wood_set(&self.frame).to_vec();
+        wood_set.extend([
             Binding::Read(&self.styles.records),
             Binding::Read(&self.styles.parts),
             Binding::Read(&self.styles.masks),
-        ];
+        ]);
         let mut reads = leaf_set.to_vec();
         // The frame, the clusters and the styles are there already.
         reads.extend(wood_set[1..5].iter().chain(&wood_set[7..]));
@@ -46,18 +34,7 @@ impl InkRenderer {
         work.render("ink stage 1", &pass, |draws| {
             draws.pipeline(&self.stage1.wood);
             draws.bind(0, &wood_set)?;
-            draws.index_buffer(&u.indices);
-            let wood = if self.smooth_bodies() {
-                &scene.plant.bodies.parts
-            } else {
-                &scene.plant.wood
-            };
-            for (material, instance, range) in wood {
-                let (image, sampler) = &u.textures[*material];
-                draws.bind(1, &[Binding::Sampled(image, sampler)])?;
-                draws.push(&self.wood_draw(scene.model, *material, *instance))?;
-                draws.draw_indexed(range.clone(), 1)?;
-            }
+            self.draw_wood(draws, scene)?;
             draws.pipeline(&self.stage1.leaves);
             draws.bind(0, &leaf_set)?;
             for (material, range) in &scene.plant.batches {
@@ -75,7 +52,50 @@ impl InkRenderer {
         self.styles.mix.styles[0].bodies.smooth
     }
 
-    fn leaf_draw(&self, model: &Model, material: usize) -> InkLeafDraw {
+    /// What leaves are drawn from, in the view of `frame`.
+    pub(super) fn leaf_set<'a>(&'a self, frame: &'a Buffer) -> [Binding<'a>; 6] {
+        [
+            Binding::Read(frame),
+            Binding::Read(&self.uploads.leaves),
+            Binding::Read(&self.clusters),
+            Binding::Sampled(&self.uploads.shapes, &self.targets.smooth),
+            Binding::Read(&self.styles.records),
+            Binding::Read(&self.styles.placements),
+        ]
+    }
+
+    /// What the vertices of wood are drawn from.
+    pub(super) fn wood_set<'a>(&'a self, frame: &'a Buffer) -> [Binding<'a>; 6] {
+        let u = &self.uploads;
+        [
+            Binding::Read(frame),
+            Binding::Read(&u.positions),
+            Binding::Read(&u.normals),
+            Binding::Read(&u.texcoords),
+            Binding::Read(&u.hatches),
+            Binding::Read(&self.clusters),
+        ]
+    }
+
+    /// The wood, with pipeline and set 0 bound.
+    pub(super) fn draw_wood(&self, draws: &mut Draws<'_>, scene: &InkScene<'_>) -> Result<()> {
+        let u = &self.uploads;
+        draws.index_buffer(&u.indices);
+        let wood = if self.smooth_bodies() {
+            &scene.plant.bodies.parts
+        } else {
+            &scene.plant.wood
+        };
+        for (material, instance, range) in wood {
+            let (image, sampler) = &u.textures[*material];
+            draws.bind(1, &[Binding::Sampled(image, sampler)])?;
+            draws.push(&self.wood_draw(scene.model, *material, *instance))?;
+            draws.draw_indexed(range.clone(), 1)?;
+        }
+        Ok(())
+    }
+
+    pub(super) fn leaf_draw(&self, model: &Model, material: usize) -> InkLeafDraw {
         let m = &model.materials[material];
         let [u, v] = texture_rows(m);
         InkLeafDraw {

@@ -2,7 +2,8 @@
 //! pixels; every kind of pass runs for all styles before the next kind, since a pass reads what
 //! others left around its pixels.
 
-use super::frame::InkRenderer;
+use super::frame::{InkRenderer, InkScene};
+use super::looks::Paints;
 use super::pipelines::Stage2Pipelines;
 use super::styles::half_width;
 use crate::Result;
@@ -16,12 +17,13 @@ use crate::ink::plan::Attribute;
 use crate::ink::style::Style;
 use crate::ink::view::View;
 use crate::math::colour::srgb_to_linear;
+use crate::scene::LightView;
 
 /// Pipelines and textures of the second stage of a style.
 pub(super) struct Stage2 {
     /// Number of the style.
-    number: usize,
-    style: Style,
+    pub(super) number: usize,
+    pub(super) style: Style,
     pipelines: Stage2Pipelines,
     /// Strokes along outlines, in four tones.
     strokes: Option<Image>,
@@ -30,11 +32,18 @@ pub(super) struct Stage2 {
     /// Whether this style is the first that has contours, or silhouettes: it clears what is not
     /// its own, so that pixels of styles without them have none.
     clears: [bool; 2],
+    /// Edges and paint.
+    pub(super) paints: Paints,
 }
 
 impl Stage2 {
     /// What the plan has for a style.
-    pub(super) fn new(gpu: &Gpu, plan: &MixPlan, number: usize, style: &Style) -> Result<Self> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        plan: &MixPlan,
+        (number, style): (usize, &Style),
+        size: [u32; 2],
+    ) -> Result<Self> {
         let own = &plan.styles[number];
         let strokes = own.silhouette.then(|| band_image(gpu, style));
         let tiles = own.hatching.then(|| tile_image(gpu, style));
@@ -49,12 +58,20 @@ impl Stage2 {
                 !earlier.iter().any(|p| p.contour),
                 !earlier.iter().any(|p| p.silhouette),
             ],
+            paints: Paints::new(gpu, own, size)?,
         })
     }
 }
 
 impl InkRenderer {
-    pub(super) fn stage2(&self, work: &mut Work, view: &View) -> Result<()> {
+    pub(super) fn stage2(
+        &self,
+        work: &mut Work,
+        view: &View,
+        scene: &InkScene<'_>,
+        sun: &LightView,
+    ) -> Result<()> {
+        self.light(work, scene, sun)?;
         for style in &self.stage2 {
             self.contour(work, style, view)?;
         }
@@ -65,13 +82,19 @@ impl InkRenderer {
             self.silhouette(work, style)?;
         }
         for style in &self.stage2 {
+            self.edges(work, style)?;
+        }
+        for style in &self.stage2 {
+            self.wash(work, style)?;
+        }
+        for style in &self.stage2 {
             self.compose(work, style)?;
         }
         Ok(())
     }
 
     /// Runs a kernel over the picture for a style.
-    fn pass<P: bytemuck::Pod>(
+    pub(super) fn pass<P: bytemuck::Pod>(
         &self,
         work: &mut Work,
         (name, of): (&str, &Stage2),
@@ -128,7 +151,7 @@ impl InkRenderer {
         let bindings = [
             self.targets.attribute(Attribute::Ids),
             self.targets.attribute(Attribute::Direction),
-            self.targets.attribute(Attribute::Normal),
+            self.tone(of),
             self.targets.line(1),
             Binding::Sampled(strokes, &self.targets.smooth),
             Binding::Read(&self.clusters),
@@ -162,6 +185,9 @@ impl InkRenderer {
             Binding::StorageWrite(&self.targets.picture),
             self.targets.attribute(Attribute::Ids),
             Binding::Read(&self.styles.records),
+            self.look(self.light.as_ref().map(|l| &l.image)),
+            self.look(of.paints.edges()),
+            self.look(of.paints.wash()),
         ];
         let kernel = &of.pipelines.compose;
         let push = self.compose_push(of);
@@ -212,9 +238,15 @@ impl InkRenderer {
             shading: s.shading.strength,
             half_width: widths.fold(0.0, f32::max),
             style: of.number as u32,
-            steps: s.shading.steps as f32,
+            steps: s.shading.steps,
             white: s.hatching.white,
             gamma: s.hatching.gamma,
+            hardness: s.shading.hardness,
+            sun: s.shading.sun,
+            exposure: s.shading.exposure,
+            sky: s.shading.sky,
+            edges: s.edges.strength,
+            wash: s.wash.strength,
         }
     }
 }

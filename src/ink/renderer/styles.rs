@@ -101,6 +101,14 @@ fn record(style: &Style, reference: f64, factor: u32) -> InkStyle {
         },
         contour: style.contour.strength,
         half_width: half_width(style, factor),
+        wrap: g.wrap,
+        shadow: g.shadow,
+        shorten: style.edges.ambient,
+        elongation: l.elongation,
+        swirl: l.swirl,
+        flatness: g.flat,
+        variation: g.variation,
+        bristles: g.bristles,
     }
 }
 
