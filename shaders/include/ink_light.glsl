@@ -13,6 +13,8 @@ float sun_share(vec3 normal, vec3 to_sun, float wrap) {
 float sun_hidden(sampler2D map, vec2 at, float depth, float reach, float bias, uint texels) {
     vec2 first = ceil(at - reach - 0.5);
     int count = min(int(floor(2.0 * reach)) + 1, 2 * int(INK_SHADOW_REACH) + 1);
+    // What lies behind all of the map is lit like its end.
+    depth = max(depth, 0.0);
     float sum = 0.0;
     float total = 0.0;
     for (int y = 0; y < count; y++) {

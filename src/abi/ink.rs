@@ -201,6 +201,8 @@ abi! {
             parts: u32,
             /// 1 where parts have masks, a word of a bit for each part per pixel.
             masked: u32,
+            /// By how much wood is thickened, pixels.
+            wood: f32,
         }
 
         /// Push constants of leaves of one material.

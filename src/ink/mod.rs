@@ -7,6 +7,7 @@ pub mod branches;
 pub mod clusters;
 mod images;
 pub mod leaves;
+pub mod lod;
 pub mod mix;
 pub mod motion;
 pub mod plan;

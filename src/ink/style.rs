@@ -78,6 +78,9 @@ pub struct Leaves {
     pub kept: f32,
     /// Enlarges the leaves that are left, so that their area stays (1), or not (0).
     pub enlarge: f32,
+    /// Where leaves are less wide than so many pixels, fewer and larger ones are drawn, as discs, and
+    /// thin wood as lines; 0 to 64, 0: never.
+    pub lod: f32,
     /// Picture of the shape at the end of `shape` instead of the disc: opaque, or black on white.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub outline: Option<PathBuf>,
@@ -97,6 +100,7 @@ impl Default for Leaves {
             swirl: 0.0,
             kept: 1.0,
             enlarge: 1.0,
+            lod: 0.0,
             outline: None,
         }
     }
@@ -444,6 +448,7 @@ impl Style {
             ("leaves.swirl", l.swirl, 0.0, 1.0),
             ("leaves.kept", l.kept, 0.0, 1.0),
             ("leaves.enlarge", l.enlarge, 0.0, 1.0),
+            ("leaves.lod", l.lod, 0.0, 64.0),
             (
                 "bodies.cluster_radius",
                 self.bodies.cluster_radius,

@@ -90,6 +90,7 @@ impl View {
             farthest: self.depths[1],
             parts: 0,
             masked: 0,
+            wood: 0.0,
         }
     }
 

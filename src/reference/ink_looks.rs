@@ -58,6 +58,7 @@ pub fn sun_hidden(
 ) -> f64 {
     let first = (at - reach - 0.5).ceil();
     let count = ((2.0 * reach).floor() as i64 + 1).min(2 * i64::from(INK_SHADOW_REACH) + 1);
+    let depth = depth.max(0.0);
     let (mut sum, mut total) = (0.0, 0.0);
     for (y, x) in (0..count).flat_map(|y| (0..count).map(move |x| (y, x))) {
         let texel = first + DVec2::new(x as f64, y as f64);

@@ -172,3 +172,88 @@ fn what_a_style_does_not_use_has_no_pass_and_no_bytes() {
         240 * 180 * (5 * 8 + 4 + 4)
     );
 }
+
+/// Width in pixels of each disc that is drawn, by its cluster.
+fn widths(w: f32, lod: f32) -> Vec<f64> {
+    // Discs of 6 pixels at a depth of 10, far from each other.
+    let discs: Vec<Disc> = (0..200)
+        .map(|i| Disc {
+            at: Vec3::new(
+                (i % 20) as f32 * 0.6 - 5.7,
+                (i / 20) as f32 * 0.6 - 2.7,
+                -10.0,
+            ),
+            radius: 0.075,
+        })
+        .collect();
+    let style = Style::parse(&format!(
+        "format_version = 1\ndescription = \"lod\"\n\
+         [leaves]\nfacing = 1.0\nshape = 0.0\ncluster_radius = 0.001\nlod = {lod}\nenlarge = {w}\n\
+         [contour]\nstrength = 1.0\n"
+    ))
+    .unwrap();
+    let gpu = fixture::gpu();
+    let model = cards(&discs);
+    let geometry = Geometry::flatten(&model);
+    let first: Vec<u32> = (0..=200).map(|i| 2 * i).collect();
+    let triangles: Vec<u32> = (0..400).collect();
+    let list = LeafTriangles {
+        indices: &geometry.indices,
+        first: &first,
+        triangles: &triangles,
+    };
+    let styles = std::slice::from_ref(&style);
+    let plant = Plant::new(&model, &geometry, list, &[true], None, styles).unwrap();
+    let camera = Camera {
+        eye: glam::DVec3::ZERO,
+        forward: glam::DVec3::NEG_Z,
+        fov: 2.0 * (0.75_f64).atan().to_degrees(),
+        aspect: 4.0 / 3.0,
+        near: 0.01,
+        roll: 0.0,
+    };
+    // 600 pixels for 2 x 7.5 metres: 40 a metre.
+    let view = View::new(
+        camera,
+        geometry.origin,
+        [800, 600],
+        Vec3::Y,
+        &geometry.positions,
+    );
+    let scene = InkScene {
+        model: &model,
+        geometry: &geometry,
+        plant: &plant,
+    };
+    let mix = Mix::single(style.clone());
+    let renderer = InkRenderer::new(&gpu, &scene, &mix, &view, 1).unwrap();
+    let drawing = renderer
+        .draw_with(&scene, &view, &[Attribute::Ids])
+        .unwrap();
+    let ids: Vec<[f32; 2]> = bytemuck::pod_collect_to_vec(&drawing.attributes[0].1);
+    let mut spans = vec![(i64::MAX, i64::MIN); 200];
+    for (i, id) in (0_i64..).zip(&ids).filter(|(_, id)| id[1] > 0.0) {
+        let span = &mut spans[id[1] as usize - 1];
+        *span = (span.0.min(i % 800), span.1.max(i % 800));
+    }
+    let seen = spans.iter().filter(|s| s.1 >= s.0);
+    seen.map(|s| (s.1 - s.0 + 1) as f64).collect()
+}
+
+#[test]
+fn few_leaves_are_left_of_a_small_plant_and_have_the_size_of_the_law() {
+    assert_eq!(widths(1.0, 0.0).len(), 200);
+    for w in [0.0, 0.5, 1.0] {
+        let mut found = widths(w, 12.0);
+        found.sort_by(f64::total_cmp);
+        // A quarter, within what a random order of 200 leaves has.
+        assert!((35..=70).contains(&found.len()), "{} leaves", found.len());
+        let expected = 6.0 * (f64::from(w) * 2.0 + 1.0 - f64::from(w));
+        // Those about to go are smaller already; the others are all alike.
+        let median = found[found.len() / 2];
+        assert!(
+            (median - expected).abs() <= 1.0,
+            "w {w}: {median} pixels, not {expected}"
+        );
+    }
+}

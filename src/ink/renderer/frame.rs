@@ -208,7 +208,7 @@ impl InkRenderer {
     /// Records both stages.
     pub(super) fn record(&self, scene: &InkScene<'_>, view: &View) -> Result<Work> {
         let mut work = self.gpu.work(QueueKind::Graphics, "ink")?;
-        let frame = self.styles.frame(view);
+        let frame = self.styles.frame(scene, view, self.factor);
         work.upload("ink frame", &self.frame, &[frame])?;
         work.upload(
             "ink clusters",

@@ -71,7 +71,7 @@ impl InkRenderer {
         scene: &InkScene<'_>,
         sun: &LightView,
     ) -> Result<()> {
-        self.light(work, scene, sun)?;
+        self.light(work, (scene, view), sun)?;
         for style in &self.stage2 {
             self.contour(work, style, view)?;
         }

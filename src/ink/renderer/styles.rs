@@ -6,6 +6,7 @@ use crate::abi::{
     INK_STROKES_ALONG, INK_STROKES_ROUND, INK_TILE, InkFrame, InkPart, InkPlacement, InkStyle,
 };
 use crate::gpu::{Buffer, BufferInfo, Gpu, Work};
+use crate::ink::lod::Detail;
 use crate::ink::mix::{Mix, Regions};
 use crate::ink::style::{Style, WoodStrokes};
 use crate::ink::view::View;
@@ -57,7 +58,10 @@ impl Styles {
         view: &View,
         (reference, factor): (f64, u32),
     ) -> Result<()> {
-        let record = |style: &Style| record(style, reference, factor);
+        let record = |style: &Style| {
+            let detail = Self::detail(style, scene, view, factor);
+            record(style, &detail, reference, factor)
+        };
         let records: Vec<InkStyle> = self.mix.styles.iter().map(record).collect();
         work.upload("ink styles", &self.records, &records)?;
         work.upload("ink parts", &self.parts, &self.regions.records(view))?;
@@ -68,9 +72,18 @@ impl Styles {
         Ok(())
     }
 
+    /// What of a style is drawn in a view: fewer leaves where they are small.
+    pub(super) fn detail(style: &Style, scene: &InkScene<'_>, view: &View, factor: u32) -> Detail {
+        let metres = f64::from(factor) * view.middle_distance() / view.focal();
+        Detail::seen(style, scene.plant.leaf_radius, metres as f32)
+    }
+
     /// What kernels need of the view.
-    pub(super) fn frame(&self, view: &View) -> InkFrame {
+    pub(super) fn frame(&self, scene: &InkScene<'_>, view: &View, factor: u32) -> InkFrame {
+        let styles = self.mix.styles.iter();
+        let wood = styles.map(|s| Self::detail(s, scene, view, factor).wood);
         InkFrame {
+            wood: factor as f32 * wood.fold(0.0, f32::max),
             parts: self.regions.len() as u32,
             masked: u32::from(self.regions.is_masked()),
             ..view.frame()
@@ -78,17 +91,21 @@ impl Styles {
     }
 }
 
-fn record(style: &Style, reference: f64, factor: u32) -> InkStyle {
+fn record(style: &Style, detail: &Detail, reference: f64, factor: u32) -> InkStyle {
     let (l, g) = (&style.leaves, &style.shading);
     let texel = f64::from(style.hatching.scale) * f64::from(factor);
     InkStyle {
         displacement: l.displacement,
         orientation: l.orientation,
         facing: l.facing,
-        size: l.size * style.enlargement(),
+        size: detail.size,
         // A painted outline is mixed into the shapes themselves.
-        shape: if l.outline.is_some() { 1.0 } else { l.shape },
-        kept: l.kept,
+        shape: if l.outline.is_some() {
+            1.0
+        } else {
+            detail.shape
+        },
+        kept: detail.kept,
         crown: g.crown,
         packing: style.hatching.packing,
         packing_steps: style.hatching.packing_steps as f32,

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::frame::{InkRenderer, InkScene};
+use super::styles::Styles;
 use crate::Result;
 use crate::abi::{INK_SHADOW_REACH, InkFrame, InkLight};
 use crate::gpu::{Binding, DepthTarget, RenderPass, Work};
@@ -19,7 +20,8 @@ const LEAST_BIAS: f32 = 2.0;
 impl InkRenderer {
     /// The box that the sun's map spans: the wood and wherever the style may put leaves.
     pub(super) fn sun_view(&self, scene: &InkScene<'_>, view: &View) -> LightView {
-        let leaf = self.leaf_radius(scene);
+        let leaves = scene.plant.leaves.iter().map(|l| l.radius);
+        let leaf = leaves.fold(0.0, f32::max) * self.leaf_factor(scene, view);
         let clusters = scene.plant.clusters.iter().flat_map(|set| &set.clusters);
         let corners = clusters.flat_map(|c| {
             let reach = c.radius + leaf;
@@ -34,13 +36,18 @@ impl InkRenderer {
     }
 
     /// Radius of a median leaf as the style with the largest ones draws it, metres.
-    fn leaf_radius(&self, scene: &InkScene<'_>) -> f32 {
+    fn leaf_radius(&self, scene: &InkScene<'_>, view: &View) -> f32 {
+        scene.plant.leaf_radius * self.leaf_factor(scene, view)
+    }
+
+    /// What the style with the largest leaves makes of their radii.
+    fn leaf_factor(&self, scene: &InkScene<'_>, view: &View) -> f32 {
         let factor = |s: &Style| {
             let long = s.leaves.elongation.max(1.0 / s.leaves.elongation);
-            s.leaves.size * s.enlargement() * long.sqrt()
+            Styles::detail(s, scene, view, self.factor).size * long.sqrt()
         };
         let factors = self.stage2.iter().map(|s| factor(&s.style));
-        scene.plant.leaf_radius * factors.fold(0.0, f32::max)
+        factors.fold(0.0, f32::max)
     }
 
     /// Depth as the sun sees it, where the style has shadows. Leaves that face the viewer in the
@@ -58,6 +65,7 @@ impl InkRenderer {
         let seen = InkFrame {
             relative_to_clip: sun.relative_to_clip.to_cols_array_2d(),
             forward: (-view.to_sun).to_array(),
+            wood: 0.0,
             ..*frame
         };
         work.upload("ink sun frame", &shadow.frame, &[seen])?;
@@ -96,7 +104,7 @@ impl InkRenderer {
     pub(super) fn light(
         &self,
         work: &mut Work,
-        scene: &InkScene<'_>,
+        (scene, view): (&InkScene<'_>, &View),
         sun: &LightView,
     ) -> Result<()> {
         let Some(light) = &self.light else {
@@ -105,7 +113,7 @@ impl InkRenderer {
         let texel = sun.extent[0].max(sun.extent[1]) / light.texels as f32;
         // A leaf is flat and hides nothing of itself: what lies within its own size casts no shadow.
         let bias = self
-            .leaf_radius(scene)
+            .leaf_radius(scene, view)
             .max(LEAST_BIAS * texel * light.reach);
         let bindings = [
             self.targets.attribute(Attribute::Depth),
