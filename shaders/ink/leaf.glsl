@@ -1,6 +1,7 @@
 // The fragment of a leaf: cut to its shape, then its attributes.
 
 #include "stage1.glsl"
+#include "tone.glsl"
 #include "ink_style.glsl"
 
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { InkFrame frame; };
@@ -19,6 +20,7 @@ layout(location = 5) flat in vec2 in_direction;
 
 layout(location = 6) flat in vec4 in_colour;
 layout(location = 7) flat in vec3 in_tint;
+layout(location = 8) flat in vec4 in_crown;
 
 #include "ink_hatch.glsl"
 #include "ink_noise.glsl"
@@ -34,6 +36,19 @@ vec3 leaf_colour(InkStyle style, float alpha) {
     return push.base_color.rgb * colour * in_tint * (1.0 + style.bristles * (1.4 * streak - 0.7));
 }
 
+vec3 unit_or(vec3 v, vec3 otherwise) {
+    return dot(v, v) > 1e-12 ? normalize(v) : otherwise;
+}
+
+// Normal to be lit with. The cluster's is that of the place on its sphere: smooth over leaves, so
+// that tone has no borders where they end.
+vec3 lit_normal(InkStyle style, vec3 centre) {
+    vec3 own = in_normal.xyz;
+    vec3 outward = unit_or(in_position - centre, own);
+    vec3 smooth_normal = unit_or(mix(outward, in_crown.xyz, style.crown), outward);
+    return unit_or(mix(own, smooth_normal, max(style.orientation, style.crown)), outward);
+}
+
 Attributes leaf_attributes() {
     InkStyle style = styles[in_ids.w];
     float alpha = leaf_alpha(shapes, in_local, in_ids.z);
@@ -42,12 +57,13 @@ Attributes leaf_attributes() {
     }
     Attributes a;
     a.albedo = leaf_colour(style, alpha);
-    a.normal = in_normal.xyz;
-    a.tone = in_normal.w;
+    InkCluster cluster = clusters[in_ids.y];
+    vec3 normal = lit_normal(style, cluster.centre);
+    a.normal = normal * in_crown.w;
+    a.tone = ink_tone(normal, frame.to_sun, style, in_normal.w);
     a.depth = dot(in_position - frame.eye, frame.forward);
     a.ids = vec2(style_and_object(in_ids.w, in_ids.x), float(in_ids.y) + 1.0);
     a.direction = in_direction;
-    InkCluster cluster = clusters[in_ids.y];
     vec2 packing = vec2(style.packing, style.packing_steps);
     a.hatch = hatch_coordinates(cluster, gl_FragCoord.xy, a.depth, packing);
     return a;

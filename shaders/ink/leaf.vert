@@ -4,7 +4,6 @@
 #include "abi.glsl"
 #include "ink_leaf.glsl"
 #include "random.glsl"
-#include "tone.glsl"
 
 // A leaf: moved towards its cluster's sphere, turned, enlarged, on a square that its shape fits in.
 
@@ -23,6 +22,7 @@ layout(location = 4) flat out uvec4 out_ids;
 layout(location = 5) flat out vec2 out_direction;
 layout(location = 6) flat out vec4 out_colour;
 layout(location = 7) flat out vec3 out_tint;
+layout(location = 8) flat out vec4 out_crown;
 
 const vec2 CORNERS[6] = vec2[](vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0),
                                vec2(-1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0));
@@ -57,15 +57,13 @@ void main() {
 
     // A leaf that faces the viewer is lit as it was.
     vec3 lit = turned_normal(leaf, outward, -frame.forward, style.orientation, 0.0);
-    vec3 round_normal = normalize(mix(outward, leaf.crown_normal, style.crown));
-    vec3 shading = normalize(mix(lit, round_normal, max(style.orientation, style.crown)));
     float open = 1.0 - style.depth_of_crown * (1.0 - leaf.ambient);
     out_position = position;
     out_local = local;
     vec2 uv = leaf.texcoord + local.x * leaf.texcoord_across + local.y * leaf.texcoord_along;
     out_texcoord = vec2(dot(push.texcoord_u, vec3(uv, 1.0)), dot(push.texcoord_v, vec3(uv, 1.0)));
-    float shortened = mix(1.0, leaf.ambient, style.shorten);
-    out_normal = vec4(shading * shortened, ink_tone(shading, frame.to_sun, style, open));
+    out_normal = vec4(lit, open);
+    out_crown = vec4(leaf.crown_normal, mix(1.0, leaf.ambient, style.shorten));
     out_colour = vec4(leaf.colour, placement.rank);
     out_tint = leaf_tint(placement.rank, style.variation);
     out_ids = uvec4(leaf.object, placement.cluster, leaf.shape, placement.style);
