@@ -43,4 +43,15 @@ float ink_of_tile(sampler2D tiles, vec3 hatch, float darkness) {
     return clamp((ink - 0.5) * sharp + 0.5, 0.0, 1.0);
 }
 
+// Below level 0 strokes would grow: the next octave, of strokes half as large, takes over.
+float ink_of_octaves(sampler2D tiles, vec3 hatch, float darkness) {
+    float ink = ink_of_tile(tiles, hatch, darkness);
+    float next = clamp(-hatch.z, 0.0, 1.0);
+    if (next > 0.0) {
+        vec3 finer = vec3(2.0 * hatch.xy, hatch.z + 1.0);
+        ink = mix(ink, ink_of_tile(tiles, finer, darkness), next);
+    }
+    return ink;
+}
+
 #endif

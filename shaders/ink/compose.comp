@@ -89,7 +89,8 @@ void main() {
         }
         if (HATCHING) {
             float darkness = pow(clamp(1.0 - tone / max(push.white, 1e-3), 0.0, 1.0), push.gamma);
-            dry *= 1.0 - push.hatching * ink_of_tile(tiles, texelFetch(hatch_map, pixel, 0).xyz, darkness);
+            vec3 hatch = texelFetch(hatch_map, pixel, 0).xyz;
+            dry *= 1.0 - push.hatching * ink_of_octaves(tiles, hatch, darkness);
         }
     }
     if (EDGES) {

@@ -21,6 +21,9 @@ layout(location = 5) flat in vec2 in_direction;
 layout(location = 6) flat in vec4 in_colour;
 layout(location = 7) flat in vec3 in_tint;
 layout(location = 8) flat in vec4 in_crown;
+layout(location = 9) flat in vec4 in_hatch_linear;
+layout(location = 10) flat in vec4 in_hatch_middle;
+layout(location = 11) flat in vec4 in_hatch_depth;
 
 #include "ink_hatch.glsl"
 #include "ink_noise.glsl"
@@ -64,7 +67,7 @@ Attributes leaf_attributes() {
     a.depth = dot(in_position - frame.eye, frame.forward);
     a.ids = vec2(style_and_object(in_ids.w, in_ids.x), float(in_ids.y) + 1.0);
     a.direction = in_direction;
-    vec2 packing = vec2(style.packing, style.packing_steps);
-    a.hatch = hatch_coordinates(cluster, gl_FragCoord.xy, a.depth, packing);
+    HatchMap map = HatchMap(in_hatch_linear, in_hatch_middle, in_hatch_depth, style.packing_steps);
+    a.hatch = hatch_coordinates(map, gl_FragCoord.xy, a.depth, in_position);
     return a;
 }

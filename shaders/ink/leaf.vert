@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
+#include "ink_hatch.glsl"
 #include "ink_leaf.glsl"
 #include "random.glsl"
 
@@ -23,6 +24,9 @@ layout(location = 5) flat out vec2 out_direction;
 layout(location = 6) flat out vec4 out_colour;
 layout(location = 7) flat out vec3 out_tint;
 layout(location = 8) flat out vec4 out_crown;
+layout(location = 9) flat out vec4 out_hatch_linear;
+layout(location = 10) flat out vec4 out_hatch_middle;
+layout(location = 11) flat out vec4 out_hatch_depth;
 
 const vec2 CORNERS[6] = vec2[](vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0),
                                vec2(-1.0, -1.0), vec2(1.0, 1.0), vec2(-1.0, 1.0));
@@ -67,6 +71,10 @@ void main() {
     out_colour = vec4(leaf.colour, placement.rank);
     out_tint = leaf_tint(placement.rank, style.variation);
     out_ids = uvec4(leaf.object, placement.cluster, leaf.shape, placement.style);
+    HatchMap map = hatch_map(cluster, style);
     out_direction = vec2(dot(outward, frame.right), -dot(outward, frame.up));
+    out_hatch_linear = map.linear;
+    out_hatch_middle = map.middle;
+    out_hatch_depth = map.depth;
     gl_Position = frame.relative_to_clip * vec4(position, 1.0);
 }

@@ -46,6 +46,12 @@ abi! {
         INK_STROKES_ALONG: u32 = 1;
         /// On a smooth body, by its clusters.
         INK_STROKES_BODY: u32 = 2;
+        /// Hatching on the clusters' fronts.
+        INK_HATCH_CLUSTER: u32 = 0;
+        /// Hatching on the screen.
+        INK_HATCH_SCREEN: u32 = 1;
+        /// Hatching on the clusters' spheres.
+        INK_HATCH_OBJECT: u32 = 2;
         /// Depths as they are, over the range of the scene.
         INK_DEPTH_LINEAR: u32 = 0;
         /// Depths by equation 1 of Deussen and Strothotte 2000.
@@ -110,6 +116,12 @@ abi! {
             packing: f32,
             /// Its steps; 0: smooth.
             packing_steps: f32,
+            /// `INK_HATCH_*`.
+            hatch_space: u32,
+            /// Pixels for a texel of hatching where it has the style's size.
+            hatch_texel: f32,
+            /// 1 where strokes are chosen from levels, 0 where they are painted on.
+            hatch_levels: u32,
             /// Light from all around, 0 to 1.
             ambient: f32,
             /// How far crowns darken leaves within, 0 to 1.

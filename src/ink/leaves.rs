@@ -18,7 +18,7 @@ pub struct LeafTriangles<'a> {
 }
 
 /// A leaf, flat.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Leaf {
     /// Middle of its box in its plane; metres, in the frame of the geometry.
     pub centre: Vec3,

@@ -206,6 +206,19 @@ pub enum WoodStrokes {
     Along,
 }
 
+/// What hatching lies on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HatchSpace {
+    /// The clusters' fronts, as the viewer sees them (the paper's way).
+    #[default]
+    Cluster,
+    /// The picture: strokes swim over what moves.
+    Screen,
+    /// The clusters' spheres: strokes shrink and shorten with them, and bunch at their poles.
+    Object,
+}
+
 /// A tile as pictures.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -269,6 +282,11 @@ pub struct Hatching {
     pub cross_angle: f32,
     /// Tones in which the tile is filled, 2 to 64.
     pub tones: u32,
+    /// What hatching lies on; all but `cluster` are there to compare with.
+    pub space: HatchSpace,
+    /// Strokes keep their width and distance when they come nearer or go away: they are chosen from
+    /// levels; without, they are painted on.
+    pub levels: bool,
 }
 
 impl Default for Hatching {
@@ -291,6 +309,8 @@ impl Default for Hatching {
             crossing: 0.6,
             cross_angle: 90.0,
             tones: 36,
+            space: HatchSpace::Cluster,
+            levels: true,
         }
     }
 }

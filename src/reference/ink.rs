@@ -180,7 +180,14 @@ pub fn hatch(
     let reference = DVec2::from(cluster.reference.map(f64::from));
     let at = reference + f * tiles / std::f64::consts::PI * turned;
     let texels = f * tiles.y / std::f64::consts::PI * per_pixel * f64::from(INK_TILE);
-    Some((at, texels.max(1e-6).log2()))
+    Some(octave(at, texels.max(1e-6).log2()))
+}
+
+/// Tiles twice as often until their finest level is seen at most twice as large: `hatch_octave` of
+/// `ink_hatch.glsl`.
+fn octave(at: DVec2, level: f64) -> (DVec2, f64) {
+    let octave = (-1.0 - level).ceil().clamp(0.0, 12.0);
+    (at * octave.exp2(), level + octave)
 }
 
 /// Level of hatching that is read.
@@ -356,6 +363,15 @@ mod tests {
             ..cluster
         };
         assert!(hatch(&hidden, DVec2::ZERO, 1.0, (0.0, 0.0)).is_none());
+    }
+
+    #[test]
+    fn strokes_keep_their_size_when_the_eye_comes_nearer() {
+        let at = DVec2::new(0.3, 0.7);
+        assert_eq!(octave(at, 2.0), (at, 2.0), "levels of the tile are enough");
+        assert_eq!(octave(at, -1.0), (at, -1.0));
+        assert_eq!(octave(at, -1.5), (2.0 * at, -0.5));
+        assert_eq!(octave(at, -4.0), (8.0 * at, -1.0));
     }
 
     #[test]

@@ -47,6 +47,14 @@ pub fn ink_of_tile(levels: &[Vec<u8>], place: DVec2, level: f64, darkness: f64) 
     ((ink - 0.5) * sharp + 0.5).clamp(0.0, 1.0)
 }
 
+/// With the next octave, which takes over where strokes would grow: `ink_of_octaves`.
+#[must_use]
+pub fn ink_of_octaves(levels: &[Vec<u8>], place: DVec2, level: f64, darkness: f64) -> f64 {
+    let ink = ink_of_tile(levels, place, level, darkness);
+    let next = (-level).clamp(0.0, 1.0);
+    ink + next * (ink_of_tile(levels, 2.0 * place, level + 1.0, darkness) - ink)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -263,6 +263,14 @@ pub struct BenchArgs {
     /// View of `bench render`
     #[arg(long, default_value = "textured")]
     pub view: View,
+    /// Styles of `bench ink`, the style of `bench coherence`
+    #[arg(
+        long,
+        value_name = "STYLE|FILE,..",
+        value_delimiter = ',',
+        default_value = "silhouette-hatching"
+    )]
+    pub style: Vec<String>,
     /// Settings of the picture.
     #[command(flatten)]
     pub picture: Chosen<PictureTable>,
@@ -282,6 +290,10 @@ pub enum BenchWhat {
     Light,
     /// Rays from the leaves into all directions.
     Rays,
+    /// Frames in pen and ink beside the photo-like picture.
+    Ink,
+    /// How hatching stays on what moves and keeps its look on the screen.
+    Coherence,
 }
 
 impl BenchArgs {
@@ -291,7 +303,9 @@ Examples:
   umbrage bench bake oak.glb --normals vertex --cells 96 --json
   umbrage bench render oak.glb --size 800x600 -n 20
   umbrage bench light oak.glb --size 800x600
-  umbrage bench rays oak.glb";
+  umbrage bench rays oak.glb
+  umbrage bench ink oak.glb --style outline,silhouette-hatching
+  umbrage bench coherence oak.glb --size 480x360";
 }
 
 /// Arguments of `conform`.

@@ -23,6 +23,8 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
     match args.what {
         BenchWhat::Light => return super::bench_light::run(context, args),
         BenchWhat::Rays => return super::bench_rays::run(context, args),
+        BenchWhat::Ink => return super::bench_ink::run(context, args),
+        BenchWhat::Coherence => return crate::app::coherence::run(context, args),
         BenchWhat::Bake | BenchWhat::Render => {}
     }
     let mut stages = Timings::default();
@@ -37,7 +39,7 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
     let measured = match args.what {
         BenchWhat::Bake => bench_bake(context, args, &prepared, &mut stages)?,
         BenchWhat::Render => bench_render(context, args, &prepared, &mut stages)?,
-        BenchWhat::Light | BenchWhat::Rays => unreachable!("have commands of their own"),
+        _ => unreachable!("have commands of their own"),
     };
     Ok(report(
         args,
@@ -159,9 +161,7 @@ fn report(
     let (vertices, triangles) = (geometry.positions.len(), geometry.indices.len() / 3);
     let what = match args.what {
         BenchWhat::Bake => "bake",
-        BenchWhat::Render => "render",
-        BenchWhat::Light => "light",
-        BenchWhat::Rays => "rays",
+        _ => "render",
     };
     let text = format!(
         "{what} of {}: {vertices} vertices, {triangles} triangles, {} on the device\n\

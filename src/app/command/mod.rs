@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod bench;
+pub mod bench_ink;
 pub mod bench_light;
 pub mod bench_rays;
 pub mod conform;

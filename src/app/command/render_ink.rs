@@ -1,6 +1,5 @@
 //! `umbrage render --style`: plants in pen and ink.
 
-use glam::DVec3;
 use serde_json::json;
 
 use super::render::{encode, frames_report};
@@ -10,14 +9,10 @@ use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::prepared::Prepared;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
-use crate::app::{Context, Report, clusters, console};
-use crate::foliage::{Leaves, Primitive};
-use crate::ink::leaves::LeafTriangles;
+use crate::app::{Context, Report, console, drawing};
 use crate::ink::mix::{Mix, MixPlan};
 use crate::ink::motion::Track;
-use crate::ink::plant::{CrownLight, Plant};
 use crate::ink::renderer::{Drawing, InkRenderer, InkScene};
-use crate::ink::style::Style;
 use crate::ink::view::View;
 use crate::math::colour::linear_to_srgb8;
 use crate::math::packing::f16_to_f32;
@@ -63,26 +58,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         None
     };
     let (model, geometry) = (&prepared.input.model, &prepared.geometry);
-    let mut plant = timings.measure("leaves and clusters", || {
-        let indices = &split.foliage_indices;
-        let leaves = Leaves::new(&geometry.positions, indices, Primitive::Leaf);
-        let triangles = LeafTriangles {
-            indices,
-            first: &leaves.first,
-            triangles: &leaves.triangles,
-        };
-        let light = baked.as_ref().map(|b| CrownLight {
-            normals: &b.normals,
-            ambient: &b.ambient,
-        });
-        let foliage = &split.foliage_parts;
-        let crown = (foliage.as_slice(), light);
-        let styles = &mix.styles;
-        Plant::gathered(model, geometry, triangles, crown, styles, |c, r, choice| {
-            clusters::gather(&context.cache(), c, r, choice)
-        })
-    })?;
-    name_objects(&mut plant, &prepared);
+    let plant = drawing::plant(context, &prepared, baked.as_ref(), &mix, &mut timings)?;
     let factor = args.ink.ink_supersample;
     let size = settings.size.map(|s| s * factor);
     let lens = Lens {
@@ -112,7 +88,10 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         InkRenderer::new(context.gpu()?, &scene, &mix, &view, factor)
     })?;
     if let (Some(animation), Some(path)) = (animation, path) {
-        let mut track = Track::new(args.motion.hatch_mode.into(), centres(&plant, &mix));
+        let mut track = Track::new(
+            args.motion.hatch_mode.into(),
+            drawing::centres(&plant, &mix),
+        );
         let files = animation.write(&path, |frame| {
             let points = geometry.positions.iter().copied();
             let camera = path.camera(f64::from(frame), lens.aspect, geometry.origin, points);
@@ -149,27 +128,6 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         "passes": plan.passes(), "image_bytes": plan.bytes(size), "times": timings.json(),
     });
     Ok(Report::new(text, json))
-}
-
-/// What the hatching of each cluster goes about, those of one style after the other.
-fn centres(plant: &Plant, mix: &Mix) -> Vec<DVec3> {
-    let of_style = |(k, style): (usize, &Style)| {
-        if style.hatching.per_object {
-            return plant.object_centres(k);
-        }
-        let clusters = plant.clusters_of(k).clusters.iter();
-        clusters.map(|c| c.centre.as_dvec3()).collect()
-    };
-    mix.styles.iter().enumerate().flat_map(of_style).collect()
-}
-
-/// Objects of a scene are named by its plants too: `plant/node`.
-fn name_objects(plant: &mut Plant, prepared: &Prepared) {
-    for placed in &prepared.input.plants {
-        for instance in placed.instances.clone() {
-            plant.objects[instance].insert_str(0, &format!("{}/", placed.name));
-        }
-    }
 }
 
 /// Means of `factor` x `factor` pixels, as sRGB.

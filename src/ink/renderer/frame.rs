@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::looks::Light;
+use super::order::{INDICES, Order};
 use super::pipelines::Stage1Pipelines;
 use super::stage2::Stage2;
 use super::styles::Styles;
@@ -63,6 +64,8 @@ pub struct InkRenderer {
     courses: Option<Vec<Course>>,
     pub(super) frame: Buffer,
     pub(super) clusters: Buffer,
+    /// Indices of the leaves that a view draws.
+    pub(super) order: Buffer,
     pub(super) uploads: Uploads,
     pub(super) targets: Targets,
     pub(super) stage1: Stage1Pipelines,
@@ -105,6 +108,10 @@ impl InkRenderer {
             courses: None,
             frame: device("ink frame", size_of::<InkFrame>())?,
             clusters: device("ink clusters", clusters * size_of::<InkCluster>())?,
+            order: device(
+                "ink order",
+                scene.plant.leaves.len() * INDICES * size_of::<u32>(),
+            )?,
             uploads: Uploads::new(gpu, scene, &mix.styles)?,
             targets: Targets::new(gpu, &plan, view.size)?,
             stage1: Stage1Pipelines::new(gpu, &plan.attributes())?,
@@ -115,6 +122,13 @@ impl InkRenderer {
             light: Light::new(gpu, mix, &plan, view.size)?,
             plan,
         })
+    }
+
+    /// How many leaves a view draws.
+    #[must_use]
+    pub fn drawn_leaves(&self, scene: &InkScene<'_>, view: &View) -> usize {
+        let order = Order::new(scene, &self.styles, view, self.factor);
+        order.indices.len() / INDICES
     }
 
     /// Takes the hatching of the next views from `courses`, one for each cluster; with none, from
@@ -219,7 +233,7 @@ impl InkRenderer {
         self.styles.upload(&mut work, scene, view, sizes)?;
         let sun = self.sun_view(scene, view);
         self.sun_map(&mut work, scene, view, (&frame, &sun))?;
-        self.stage1(&mut work, scene)?;
+        self.stage1(&mut work, scene, view)?;
         self.stage2(&mut work, view, scene, &sun)?;
         Ok(work)
     }

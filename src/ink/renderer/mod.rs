@@ -3,6 +3,7 @@
 
 mod frame;
 mod looks;
+mod order;
 mod pipelines;
 mod shown;
 mod stage1;

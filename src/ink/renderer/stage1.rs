@@ -1,13 +1,17 @@
 //! Stage 1: leaves and wood into targets of attributes.
 
 use super::frame::{InkRenderer, InkScene};
+use super::order::Order;
 use crate::Result;
 use crate::abi::{INK_OBJECTS, INK_STROKES_BODY, INK_STROKES_ROUND, InkLeafDraw, InkWoodDraw};
 use crate::gpu::{Binding, Buffer, DepthTarget, Draws, RenderPass, Work};
+use crate::ink::view::View;
 use crate::scene::{AlphaMode, Material, Model};
 
 impl InkRenderer {
-    pub(super) fn stage1(&self, work: &mut Work, scene: &InkScene<'_>) -> Result<()> {
+    pub(super) fn stage1(&self, work: &mut Work, scene: &InkScene<'_>, view: &View) -> Result<()> {
+        let order = Order::new(scene, &self.styles, view, self.factor);
+        work.upload("ink order", &self.order, &order.indices)?;
         let u = &self.uploads;
         let leaf_set = self.leaf_set(&self.frame);
         let mut wood_set = self.wood_set(&self.frame).to_vec();
@@ -20,6 +24,7 @@ impl InkRenderer {
         // The frame, the clusters and the styles are there already.
         reads.extend(wood_set[1..5].iter().chain(&wood_set[7..]));
         reads.push(Binding::Index(&u.indices));
+        reads.push(Binding::Index(&self.order));
         reads.extend(u.textures.iter().map(|(i, s)| Binding::Sampled(i, s)));
         let pass = RenderPass {
             extent: self.size,
@@ -37,11 +42,12 @@ impl InkRenderer {
             self.draw_wood(draws, scene)?;
             draws.pipeline(&self.stage1.leaves);
             draws.bind(0, &leaf_set)?;
-            for (material, range) in &scene.plant.batches {
+            draws.index_buffer(&self.order);
+            for (material, range) in &order.batches {
                 let (image, sampler) = &u.textures[*material as usize];
                 draws.bind(1, &[Binding::Sampled(image, sampler)])?;
                 draws.push(&self.leaf_draw(scene.model, *material as usize))?;
-                draws.draw(6 * range.start..6 * range.end, 1)?;
+                draws.draw_indexed(range.clone(), 1)?;
             }
             Ok(())
         })

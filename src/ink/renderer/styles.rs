@@ -3,12 +3,13 @@
 use super::frame::InkScene;
 use crate::Result;
 use crate::abi::{
-    INK_STROKES_ALONG, INK_STROKES_ROUND, INK_TILE, InkFrame, InkPart, InkPlacement, InkStyle,
+    INK_HATCH_CLUSTER, INK_HATCH_OBJECT, INK_HATCH_SCREEN, INK_STROKES_ALONG, INK_STROKES_ROUND,
+    INK_TILE, InkFrame, InkPart, InkPlacement, InkStyle,
 };
 use crate::gpu::{Buffer, BufferInfo, Gpu, Work};
 use crate::ink::lod::Detail;
 use crate::ink::mix::{Mix, Regions};
-use crate::ink::style::{Style, WoodStrokes};
+use crate::ink::style::{HatchSpace, Style, WoodStrokes};
 use crate::ink::view::View;
 
 /// Styles of a scene on the device.
@@ -109,6 +110,13 @@ fn record(style: &Style, detail: &Detail, reference: f64, factor: u32) -> InkSty
         crown: g.crown,
         packing: style.hatching.packing,
         packing_steps: style.hatching.packing_steps as f32,
+        hatch_space: match style.hatching.space {
+            HatchSpace::Cluster => INK_HATCH_CLUSTER,
+            HatchSpace::Screen => INK_HATCH_SCREEN,
+            HatchSpace::Object => INK_HATCH_OBJECT,
+        },
+        hatch_texel: texel as f32,
+        hatch_levels: u32::from(style.hatching.levels),
         ambient: g.ambient,
         depth_of_crown: g.depth,
         wood_tiles: (1.0 / (reference * f64::from(INK_TILE) * texel)) as f32,

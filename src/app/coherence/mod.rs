@@ -1,0 +1,345 @@
+//! `umbrage bench coherence`: how well hatching stays on what it is drawn on, and how evenly it lies
+//! on the screen, beside the two plain ways of hatching.
+
+pub mod frames;
+pub mod spectrum;
+
+use glam::DVec2;
+use serde_json::{Value, json};
+
+use self::frames::{Frame, Moved, RINGS, compare};
+use super::cli::BenchArgs;
+use super::prepared::Prepared;
+use super::report::Table;
+use super::settings::picture_settings;
+use super::timing::Timings;
+use super::{Context, Report, console, drawing};
+use crate::abi::InkCluster;
+use crate::ink::mix::Mix;
+use crate::ink::motion::{HatchMode, Track};
+use crate::ink::plan::Attribute;
+use crate::ink::plant::Plant;
+use crate::ink::renderer::{Drawing, InkRenderer, InkScene};
+use crate::ink::style::{HatchSpace, Style};
+use crate::ink::view::View;
+use crate::math::colour::srgb_to_linear;
+use crate::math::packing::f16_to_f32;
+use crate::render::RenderSettings;
+use crate::scene::camera_path::PathSpec;
+use crate::scene::{CameraPath, CameraSpec};
+use crate::{Error, Result};
+
+/// Ways along which frames are compared: a degree a frame, rising and rolling; and towards the
+/// plant by 3 % a frame.
+const WAYS: [(&str, &str); 2] = [
+    ("orbit", "orbit:turns=0.0611,rise=10,roll=15,frames=23"),
+    ("dolly", "dolly:from=1.4,to=0.7,frames=23"),
+];
+/// Distances at which strokes are measured on the screen.
+const FAR_TO_NEAR: &str = "dolly:from=2,to=0.5,frames=9";
+
+/// A way of hatching that is measured.
+struct Variant {
+    name: &'static str,
+    space: HatchSpace,
+    levels: bool,
+    mode: HatchMode,
+}
+
+const VARIANTS: [Variant; 5] = [
+    Variant {
+        name: "clusters",
+        space: HatchSpace::Cluster,
+        levels: true,
+        mode: HatchMode::Replay,
+    },
+    Variant {
+        name: "clusters, stateless",
+        space: HatchSpace::Cluster,
+        levels: true,
+        mode: HatchMode::Stateless,
+    },
+    Variant {
+        name: "screen",
+        space: HatchSpace::Screen,
+        levels: true,
+        mode: HatchMode::Stateless,
+    },
+    Variant {
+        name: "object",
+        space: HatchSpace::Object,
+        levels: false,
+        mode: HatchMode::Stateless,
+    },
+    Variant {
+        name: "object with levels",
+        space: HatchSpace::Object,
+        levels: true,
+        mode: HatchMode::Stateless,
+    },
+];
+
+/// What was measured of a variant.
+struct Measured {
+    name: &'static str,
+    moved: Vec<(&'static str, Moved)>,
+    /// Distance factor and pixels between strokes.
+    spacings: Vec<(f64, Option<f64>)>,
+}
+
+impl Measured {
+    /// Largest over smallest distance of strokes.
+    fn flatness(&self) -> f64 {
+        let found = self.spacings.iter().filter_map(|s| s.1);
+        let (low, high) = found.fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(s), h.max(s)));
+        high / low
+    }
+}
+
+/// The hatching of a style alone.
+fn hatching_alone(mut style: Style, variant: &Variant) -> Style {
+    // Ids are written for contours; so faint a line does not show.
+    style.contour.strength = 1e-6;
+    style.silhouette.strength = 0.0;
+    style.shading.strength = 0.0;
+    style.shading.colour = 0.0;
+    style.hatching.strength = 1.0;
+    style.hatching.space = variant.space;
+    style.hatching.levels = variant.levels;
+    style
+}
+
+/// Measures every way of hatching with the first style that is named.
+///
+/// # Errors
+/// Wrong input, style or settings, a failing device.
+pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
+    let named = args.style.first().map_or("silhouette-hatching", |s| s);
+    let style = Style::named(named)?;
+    if style.hatching.strength == 0.0 {
+        return Err(Error::usage(format!("style `{named}`: does not hatch")));
+    }
+    let mut stages = Timings::default();
+    let model = &args.input.model;
+    let prepared = Prepared::new(
+        &args.input.input,
+        &model.textures,
+        model.foliage.as_deref(),
+        &args.settings,
+        &mut stages,
+    )?;
+    let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
+    let bake = prepared.bake(context, &mut stages)?.bake;
+    let mix = Mix::single(style.clone());
+    let plant = drawing::plant(context, &prepared, Some(&bake), &mix, &mut stages)?;
+    let working = console::working("drawing");
+    let mut found = Vec::new();
+    for variant in &VARIANTS {
+        working.step(variant.name);
+        let style = hatching_alone(style.clone(), variant);
+        let camera = Shots {
+            context,
+            prepared: &prepared,
+            settings: &settings,
+            plant: &plant,
+            style: &style,
+            mode: variant.mode,
+        };
+        found.push(camera.measure(variant.name)?);
+    }
+    Ok(report(args, named, &settings, &found))
+}
+
+/// Frames of one variant.
+struct Shots<'a> {
+    context: &'a Context,
+    prepared: &'a Prepared,
+    settings: &'a RenderSettings,
+    plant: &'a Plant,
+    style: &'a Style,
+    mode: HatchMode,
+}
+
+impl Shots<'_> {
+    fn measure(&self, name: &'static str) -> Result<Measured> {
+        let mut moved = Vec::new();
+        for (way, text) in WAYS {
+            let mut sum = Moved::default();
+            let mut before: Option<Frame> = None;
+            self.along(text, |frame| {
+                if let Some(before) = &before {
+                    sum.add(&compare(before, &frame));
+                }
+                before = Some(frame);
+            })?;
+            moved.push((way, sum));
+        }
+        let mut spacings = Vec::new();
+        let last = f64::from(self.path(FAR_TO_NEAR)?.last());
+        let mut number = 0.0;
+        self.along(FAR_TO_NEAR, |frame| {
+            let size = frame.view.size;
+            let spacing = spectrum::spacing(&frame.ink, |i| frame.cluster[i] > 0, size);
+            spacings.push((2.0 * 0.25_f64.powf(number / last), spacing));
+            number += 1.0;
+        })?;
+        Ok(Measured {
+            name,
+            moved,
+            spacings,
+        })
+    }
+
+    fn path(&self, text: &str) -> Result<CameraPath> {
+        let (geometry, settings) = (&self.prepared.geometry, self.settings);
+        let points = geometry.positions.iter().copied();
+        let spec = PathSpec::named(text, None)?;
+        Ok(spec.resolve(
+            &settings.camera,
+            drawing::lens(settings),
+            geometry.origin,
+            points,
+        ))
+    }
+
+    /// Calls `take` with every frame of a way.
+    fn along(&self, text: &str, mut take: impl FnMut(Frame)) -> Result<()> {
+        let path = self.path(text)?;
+        let geometry = &self.prepared.geometry;
+        let scene = drawing::scene(self.prepared, self.plant);
+        let aspect = drawing::lens(self.settings).aspect;
+        let view = |frame: u32| {
+            let points = geometry.positions.iter().copied();
+            let camera = path.camera(f64::from(frame), aspect, geometry.origin, points);
+            drawing::view(self.prepared, self.settings, Some(camera), 1)
+        };
+        // Strokes have the style's size where the plant fills the picture, in all ways.
+        let framed = drawing::view(self.prepared, self.settings, None, 1);
+        let mix = Mix::single(self.style.clone());
+        let gpu = self.context.gpu()?;
+        let mut renderer = InkRenderer::new(gpu, &scene, &mix, &framed, 1)?;
+        let mut track = Track::new(self.mode, drawing::centres(self.plant, &mix));
+        for number in 0..=path.last() {
+            let view = view(number);
+            renderer.follow(track.at(number, &view, |f| path.pose(f)));
+            take(self.frame(&renderer, &scene, view)?);
+        }
+        Ok(())
+    }
+
+    fn frame(&self, renderer: &InkRenderer, scene: &InkScene<'_>, view: View) -> Result<Frame> {
+        let wanted = [Attribute::Depth, Attribute::Ids, Attribute::Hatch];
+        let drawing = renderer.draw_with(scene, &view, &wanted)?;
+        let outline = |c: &InkCluster| {
+            let centre = DVec2::from(c.pixel.map(f64::from));
+            (centre, f64::from(c.pixel_radius))
+        };
+        let ids: Vec<[f32; 2]> = bytemuck::pod_collect_to_vec(attribute(&drawing, wanted[1]));
+        Ok(Frame {
+            ink: ink(&drawing, self.style),
+            depth: bytemuck::pod_collect_to_vec(attribute(&drawing, wanted[0])),
+            cluster: ids.iter().map(|i| i[1] as u32).collect(),
+            hatch: halves(attribute(&drawing, wanted[2]))
+                .map(|h| [h[0], h[1], h[2]])
+                .collect(),
+            outlines: renderer
+                .cluster_records(scene, &view)
+                .iter()
+                .map(outline)
+                .collect(),
+            view,
+        })
+    }
+}
+
+fn attribute(drawing: &Drawing, wanted: Attribute) -> &[u8] {
+    let found = drawing.attributes.iter().find(|a| a.0 == wanted);
+    found.map_or(&[], |a| &a.1)
+}
+
+/// Texels of four 16-bit floats.
+fn halves(bytes: &[u8]) -> impl Iterator<Item = [f32; 4]> {
+    bytes
+        .chunks_exact(8)
+        .map(|texel| [0, 2, 4, 6].map(|k| f16_to_f32(u16::from_le_bytes([texel[k], texel[k + 1]]))))
+}
+
+/// Share of ink in every pixel: where it lies between paper and ink.
+fn ink(drawing: &Drawing, style: &Style) -> Vec<f32> {
+    let green = |c: [f32; 3]| srgb_to_linear(c[1]);
+    let (paper, ink) = (green(style.paper.colour), green(style.paper.ink));
+    let share = |v: f32| ((paper - v) / (paper - ink)).clamp(0.0, 1.0);
+    halves(&drawing.pixels).map(|p| share(p[1])).collect()
+}
+
+fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Measured]) -> Report {
+    let mut table = Table::new(&[
+        "hatching",
+        "way",
+        "ink",
+        "E_warp",
+        "popping",
+        "slip 0-1/4",
+        "1/4-1/2",
+        "1/2-3/4",
+        "3/4-1",
+    ]);
+    let mut flat = Table::new(&["hatching", "far", "2/3", "middle", "1/3", "near", "max/min"]);
+    let mut json: Vec<Value> = Vec::new();
+    for m in found {
+        for (way, moved) in &m.moved {
+            let slips: [String; RINGS] = moved.slips().map(|s| format!("{s:.3}"));
+            table.row(&[
+                &m.name,
+                way,
+                &format!("{:.3}", moved.coverage()),
+                &format!("{:.4}", moved.warp_error()),
+                &format!("{:.4}", moved.popping()),
+                &slips[0],
+                &slips[1],
+                &slips[2],
+                &slips[3],
+            ]);
+            json.push(json!({
+                "hatching": m.name, "way": way, "ink": moved.coverage(),
+                "e_warp": moved.warp_error(), "popping": moved.popping(),
+                "slip_pixels": moved.slips(), "pixels": moved.pixels,
+            }));
+        }
+        let at = |k: usize| {
+            let spacing = m.spacings.get(k).and_then(|s| s.1);
+            spacing.map_or("-".to_owned(), |s| format!("{s:.1}"))
+        };
+        let last = m.spacings.len().saturating_sub(1);
+        flat.row(&[
+            &m.name,
+            &at(0),
+            &at(last / 4),
+            &at(last / 2),
+            &at(3 * last / 4),
+            &at(last),
+            &format!("{:.2}", m.flatness()),
+        ]);
+        json.push(json!({
+            "hatching": m.name, "way": "far to near", "spacing_pixels": m.spacings,
+            "flatness": m.flatness(),
+        }));
+    }
+    let [w, h] = settings.size;
+    let camera: &CameraSpec = &settings.camera;
+    let text = format!(
+        "coherence of {} in {named}, {w}x{h}, camera {camera}, hatching alone\n\n\
+         ink: share of what two frames show; E_warp: mean difference of ink after the warp;\n\
+         popping: share of ink that had none within 1.5 pixels; slip: of hatch coordinates, pixels\n\
+         a frame, by distance from the cluster's centre in its radii\n\n{table}\n\
+         pixels between strokes from twice the framing distance to half of it\n\n{flat}",
+        args.input.input
+    );
+    Report::new(
+        text,
+        json!({
+            "bench": "coherence", "model": args.input.input.to_string(), "style": named,
+            "size": settings.size, "rows": json, "version": env!("CARGO_PKG_VERSION"),
+        }),
+    )
+}

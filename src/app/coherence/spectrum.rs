@@ -1,0 +1,120 @@
+//! Distance of strokes on the screen: the peak of the spectrum of ink.
+
+use std::f64::consts::TAU;
+
+/// Edge of the windows whose spectra are added up, pixels.
+const WINDOW: usize = 48;
+/// Least share of a window that must be foliage.
+const FILLED: f64 = 0.97;
+/// Longest and shortest distance of strokes that is looked for, pixels.
+const PERIODS: [f64; 2] = [16.0, 2.2];
+
+/// Pixels between strokes, by the peak of the spectra of all windows that foliage fills; none where
+/// there is no such window, or no ink.
+#[must_use]
+pub fn spacing(ink: &[f32], filled: impl Fn(usize) -> bool, [w, h]: [u32; 2]) -> Option<f64> {
+    let (w, h) = (w as usize, h as usize);
+    let mut rings = vec![0.0; WINDOW / 2];
+    for y in (0..h.saturating_sub(WINDOW - 1)).step_by(WINDOW / 2) {
+        for x in (0..w.saturating_sub(WINDOW - 1)).step_by(WINDOW / 2) {
+            let places = (0..WINDOW * WINDOW).map(|i| (y + i / WINDOW) * w + x + i % WINDOW);
+            let full = places.clone().filter(|&i| filled(i)).count();
+            if full as f64 >= FILLED * (WINDOW * WINDOW) as f64 {
+                let values: Vec<f64> = places.map(|i| f64::from(ink[i])).collect();
+                add_spectrum(&values, &mut rings);
+            }
+        }
+    }
+    peak(&rings)
+}
+
+/// Adds the power of a window by the length of its waves' number.
+fn add_spectrum(values: &[f64], rings: &mut [f64]) {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let wave = |i: usize, k: usize| (TAU * ((i * k) % WINDOW) as f64 / WINDOW as f64).sin_cos();
+    let hann = |i: usize| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / WINDOW as f64).cos();
+    // Rows first: [row][wave] of real and imaginary parts.
+    let mut rows = vec![(0.0, 0.0); WINDOW * WINDOW];
+    for y in 0..WINDOW {
+        for k in 0..WINDOW {
+            let mut sum = (0.0, 0.0);
+            for x in 0..WINDOW {
+                let v = (values[y * WINDOW + x] - mean) * hann(x) * hann(y);
+                let (s, c) = wave(x, k);
+                sum = (sum.0 + v * c, sum.1 - v * s);
+            }
+            rows[y * WINDOW + k] = sum;
+        }
+    }
+    for kx in 0..WINDOW {
+        for ky in 0..WINDOW {
+            let mut sum = (0.0, 0.0);
+            for y in 0..WINDOW {
+                let (re, im) = rows[y * WINDOW + kx];
+                let (s, c) = wave(y, ky);
+                sum = (sum.0 + re * c + im * s, sum.1 + im * c - re * s);
+            }
+            let signed = |k: usize| k.min(WINDOW - k) as f64;
+            let ring = signed(kx).hypot(signed(ky)).round() as usize;
+            if ring < rings.len() {
+                rings[ring] += sum.0 * sum.0 + sum.1 * sum.1;
+            }
+        }
+    }
+}
+
+/// Pixels of the wave that holds most: of rings weighted by their radius, so that noise without
+/// colour has no slope, with a parabola through the peak and its neighbours.
+fn peak(rings: &[f64]) -> Option<f64> {
+    let n = WINDOW as f64;
+    let low = (n / PERIODS[0]).ceil() as usize;
+    let high = ((n / PERIODS[1]).floor() as usize).min(rings.len() - 2);
+    let at = (low..=high).max_by(|&a, &b| rings[a].total_cmp(&rings[b]))?;
+    let [a, b, c] = [rings[at - 1], rings[at], rings[at + 1]];
+    if b <= 0.0 {
+        return None;
+    }
+    let curve = a - 2.0 * b + c;
+    let off = if curve < 0.0 {
+        (0.5 * (a - c) / curve).clamp(-0.5, 0.5)
+    } else {
+        0.0
+    };
+    Some(n / (at as f64 + off))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_of_stripes_is_found_whatever_their_direction() {
+        let size = [160, 120];
+        for period in [4.0_f64, 6.5, 9.0] {
+            for turn in [0.0_f64, 0.6, 1.4] {
+                let ink: Vec<f32> = (0..160 * 120)
+                    .map(|i| {
+                        let (x, y) = (f64::from(i % 160), f64::from(i / 160));
+                        let phase = (x * turn.cos() + y * turn.sin()) / period;
+                        if phase - phase.floor() < 0.3 {
+                            1.0
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect();
+                let found = spacing(&ink, |_| true, size).unwrap_or(0.0);
+                assert!(
+                    (found / period - 1.0).abs() < 0.08,
+                    "{period} {turn}: {found}"
+                );
+            }
+        }
+        assert_eq!(spacing(&[0.0; 160 * 120], |_| true, size), None, "no ink");
+        assert_eq!(
+            spacing(&[1.0; 160 * 120], |_| false, size),
+            None,
+            "no foliage"
+        );
+    }
+}
