@@ -83,17 +83,15 @@ const VARIANTS: [Variant; 5] = [
 struct Measured {
     name: &'static str,
     moved: Vec<(&'static str, Moved)>,
-    /// Distance factor and pixels between strokes.
-    spacings: Vec<(f64, Option<f64>)>,
+    /// Factor on the framing distance, pixels between strokes, width of strokes in pixels.
+    strokes: Vec<(f64, Option<f64>, Option<f64>)>,
 }
 
-impl Measured {
-    /// Largest over smallest distance of strokes.
-    fn flatness(&self) -> f64 {
-        let found = self.spacings.iter().filter_map(|s| s.1);
-        let (low, high) = found.fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(s), h.max(s)));
-        high / low
-    }
+/// Largest over smallest of what was found.
+fn change(found: impl Iterator<Item = Option<f64>>) -> f64 {
+    let ends = |(l, h): (f64, f64), s: f64| (l.min(s), h.max(s));
+    let (low, high) = found.flatten().fold((f64::INFINITY, 0.0), ends);
+    high / low
 }
 
 /// The hatching of a style alone.
@@ -174,19 +172,21 @@ impl Shots<'_> {
             })?;
             moved.push((way, sum));
         }
-        let mut spacings = Vec::new();
+        let mut strokes = Vec::new();
         let last = f64::from(self.path(FAR_TO_NEAR)?.last());
         let mut number = 0.0;
         self.along(FAR_TO_NEAR, |frame| {
             let size = frame.view.size;
-            let spacing = spectrum::spacing(&frame.ink, |i| frame.cluster[i] > 0, size);
-            spacings.push((2.0 * 0.25_f64.powf(number / last), spacing));
+            let filled = |i: usize| frame.cluster[i] > 0;
+            let spacing = spectrum::spacing(&frame.ink, filled, size);
+            let width = spectrum::width(&frame.ink, filled, size);
+            strokes.push((2.0 * 0.25_f64.powf(number / last), spacing, width));
             number += 1.0;
         })?;
         Ok(Measured {
             name,
             moved,
-            spacings,
+            strokes,
         })
     }
 
@@ -284,7 +284,9 @@ fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Mea
         "1/2-3/4",
         "3/4-1",
     ]);
-    let mut flat = Table::new(&["hatching", "far", "2/3", "middle", "1/3", "near", "max/min"]);
+    let mut flat = Table::new(&[
+        "hatching", "strokes'", "2", "1.41", "1", "0.71", "0.5", "max/min",
+    ]);
     let mut json: Vec<Value> = Vec::new();
     for m in found {
         for (way, moved) in &m.moved {
@@ -306,24 +308,30 @@ fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Mea
                 "slip_pixels": moved.slips(), "pixels": moved.pixels,
             }));
         }
-        let at = |k: usize| {
-            let spacing = m.spacings.get(k).and_then(|s| s.1);
-            spacing.map_or("-".to_owned(), |s| format!("{s:.1}"))
-        };
-        let last = m.spacings.len().saturating_sub(1);
-        flat.row(&[
-            &m.name,
-            &at(0),
-            &at(last / 4),
-            &at(last / 2),
-            &at(3 * last / 4),
-            &at(last),
-            &format!("{:.2}", m.flatness()),
-        ]);
-        json.push(json!({
-            "hatching": m.name, "way": "far to near", "spacing_pixels": m.spacings,
-            "flatness": m.flatness(),
-        }));
+        let last = m.strokes.len().saturating_sub(1);
+        let rows: [(&str, fn(&(f64, Option<f64>, Option<f64>)) -> Option<f64>); 2] =
+            [("width", |s| s.2), ("distance", |s| s.1)];
+        for (what, of) in rows {
+            let at = |k: usize| {
+                let found = m.strokes.get(k).and_then(of);
+                found.map_or("-".to_owned(), |s| format!("{s:.2}"))
+            };
+            let change = change(m.strokes.iter().map(of));
+            flat.row(&[
+                &m.name,
+                &what,
+                &at(0),
+                &at(last / 4),
+                &at(last / 2),
+                &at(3 * last / 4),
+                &at(last),
+                &format!("{change:.2}"),
+            ]);
+            json.push(json!({
+                "hatching": m.name, "way": "far to near", "of_strokes": what, "change": change,
+                "pixels": m.strokes.iter().map(|s| (s.0, of(s))).collect::<Vec<_>>(),
+            }));
+        }
     }
     let [w, h] = settings.size;
     let camera: &CameraSpec = &settings.camera;
@@ -332,7 +340,8 @@ fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Mea
          ink: share of what two frames show; E_warp: mean difference of ink after the warp;\n\
          popping: share of ink that had none within 1.5 pixels; slip: of hatch coordinates, pixels\n\
          a frame, by distance from the cluster's centre in its radii\n\n{table}\n\
-         pixels between strokes from twice the framing distance to half of it\n\n{flat}",
+         strokes on the screen, pixels, from twice the framing distance to half of it; distance by\n\
+         the peak of the spectrum\n\n{flat}",
         args.input.input
     );
     Report::new(

@@ -25,21 +25,54 @@ pub fn spacing(ink: &[f32], filled: impl Fn(usize) -> bool, [w, h]: [u32; 2]) ->
             }
         }
     }
+    // Strokes are told by their edges: tone, which varies slowly, weighs less.
+    for (k, ring) in rings.iter_mut().enumerate() {
+        *ring *= k as f64;
+    }
     peak(&rings)
+}
+
+/// Mean width of strokes, pixels: twice the area of ink over the length of its outline, by the
+/// crossings of rows and columns (Crofton's formula); none where there is no ink.
+#[must_use]
+pub fn width(ink: &[f32], filled: impl Fn(usize) -> bool, [w, h]: [u32; 2]) -> Option<f64> {
+    let (w, h) = (w as usize, h as usize);
+    let inked = |i: usize| ink[i] > 0.5;
+    let (mut area, mut crossings) = (0.0, 0.0);
+    for i in 0..w * h {
+        if !filled(i) {
+            continue;
+        }
+        area += f64::from(u8::from(inked(i)));
+        let right = (i % w + 1 < w).then_some(i + 1);
+        let below = (i / w + 1 < h).then_some(i + w);
+        for j in [right, below].into_iter().flatten().filter(|&j| filled(j)) {
+            crossings += f64::from(u8::from(inked(i) != inked(j)));
+        }
+    }
+    let outline = 0.25 * std::f64::consts::PI * crossings;
+    (outline > 0.0).then(|| 2.0 * area / outline)
 }
 
 /// Adds the power of a window by the length of its waves' number.
 fn add_spectrum(values: &[f64], rings: &mut [f64]) {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let wave = |i: usize, k: usize| (TAU * ((i * k) % WINDOW) as f64 / WINDOW as f64).sin_cos();
+    let waves: [(f64, f64); WINDOW] =
+        std::array::from_fn(|i| (TAU * i as f64 / WINDOW as f64).sin_cos());
+    let wave = |i: usize, k: usize| waves[(i * k) % WINDOW];
     let hann = |i: usize| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / WINDOW as f64).cos();
+    let windowed: Vec<f64> = values
+        .iter()
+        .enumerate()
+        .map(|(i, v)| (v - mean) * hann(i % WINDOW) * hann(i / WINDOW))
+        .collect();
     // Rows first: [row][wave] of real and imaginary parts.
     let mut rows = vec![(0.0, 0.0); WINDOW * WINDOW];
     for y in 0..WINDOW {
         for k in 0..WINDOW {
             let mut sum = (0.0, 0.0);
             for x in 0..WINDOW {
-                let v = (values[y * WINDOW + x] - mean) * hann(x) * hann(y);
+                let v = windowed[y * WINDOW + x];
                 let (s, c) = wave(x, k);
                 sum = (sum.0 + v * c, sum.1 - v * s);
             }
@@ -63,8 +96,7 @@ fn add_spectrum(values: &[f64], rings: &mut [f64]) {
     }
 }
 
-/// Pixels of the wave that holds most: of rings weighted by their radius, so that noise without
-/// colour has no slope, with a parabola through the peak and its neighbours.
+/// Pixels of the wave that holds most, with a parabola through the peak and its neighbours.
 fn peak(rings: &[f64]) -> Option<f64> {
     let n = WINDOW as f64;
     let low = (n / PERIODS[0]).ceil() as usize;
@@ -89,12 +121,12 @@ mod tests {
 
     #[test]
     fn the_distance_of_stripes_is_found_whatever_their_direction() {
-        let size = [160, 120];
+        let size = [120, 96];
         for period in [4.0_f64, 6.5, 9.0] {
             for turn in [0.0_f64, 0.6, 1.4] {
-                let ink: Vec<f32> = (0..160 * 120)
+                let ink: Vec<f32> = (0..120 * 96)
                     .map(|i| {
-                        let (x, y) = (f64::from(i % 160), f64::from(i / 160));
+                        let (x, y) = (f64::from(i % 120), f64::from(i / 120));
                         let phase = (x * turn.cos() + y * turn.sin()) / period;
                         if phase - phase.floor() < 0.3 {
                             1.0
@@ -110,9 +142,16 @@ mod tests {
                 );
             }
         }
-        assert_eq!(spacing(&[0.0; 160 * 120], |_| true, size), None, "no ink");
+        let bands: Vec<f32> = (0..120 * 96)
+            .map(|i| if (i / 120) % 12 < 4 { 1.0 } else { 0.0 })
+            .collect();
+        // Crossings of one direction only: pi / 4 of them are taken for the mean of all.
+        let wide = width(&bands, |_| true, size).unwrap_or(0.0) * 0.25 * std::f64::consts::PI;
+        assert!((wide / 4.0 - 1.0).abs() < 0.1, "{wide}");
+        assert_eq!(width(&[0.0; 120 * 96], |_| true, size), None, "no ink");
+        assert_eq!(spacing(&[0.0; 120 * 96], |_| true, size), None, "no ink");
         assert_eq!(
-            spacing(&[1.0; 160 * 120], |_| false, size),
+            spacing(&[1.0; 120 * 96], |_| false, size),
             None,
             "no foliage"
         );

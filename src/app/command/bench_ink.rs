@@ -30,6 +30,8 @@ struct Row {
     passes: Timings,
     /// Sums over the passes of each frame, milliseconds.
     frames: Vec<f64>,
+    /// The same without shadow maps, which a resting sun takes once.
+    shadowless: Vec<f64>,
     /// The same without stage 1.
     stage2: Vec<f64>,
 }
@@ -37,14 +39,15 @@ struct Row {
 impl Row {
     fn add(&mut self, passes: &[PassTime]) {
         self.passes.add_passes(passes);
-        let sum = |stage1: bool| -> f64 {
-            let of = passes
-                .iter()
-                .filter(|p| stage1 || (p.label.starts_with("ink") && !is_stage1(&p.label)));
+        let sum = |counts: &dyn Fn(&str) -> bool| -> f64 {
+            let of = passes.iter().filter(|p| counts(&p.label));
             of.map(|p| p.nanoseconds as f64 * 1e-6).sum()
         };
-        self.frames.push(sum(true));
-        self.stage2.push(sum(false));
+        self.frames.push(sum(&|_| true));
+        self.shadowless
+            .push(sum(&|l| !["shadow map", "ink sun"].contains(&l)));
+        self.stage2
+            .push(sum(&|l| l.starts_with("ink") && !is_stage1(l)));
     }
 }
 
@@ -122,6 +125,7 @@ fn measure(
         leaves,
         passes: Timings::default(),
         frames: Vec::new(),
+        shadowless: Vec::new(),
         stage2: Vec::new(),
     };
     let plan = Plan::new(photo, settings, &[View::Textured])?;
@@ -179,6 +183,7 @@ fn report(
         "frame ms",
         "stage 2 ms",
         "to photo",
+        "no shadows",
     ]);
     let mut text = format!(
         "ink of {}: {triangles} triangles, {} ({}), {} frames of each in turn after {} that do not count\n\n",
@@ -187,16 +192,13 @@ fn report(
     let mut found: Vec<Value> = Vec::new();
     for row in rows {
         let photo = rows.iter().find(|r| r.name == PHOTO && r.size == row.size);
-        let ratios: Vec<f64> = photo.map_or_else(Vec::new, |p| {
-            row.frames
-                .iter()
-                .zip(&p.frames)
-                .map(|(a, b)| a / b)
-                .collect()
-        });
+        let ratio = |of: fn(&Row) -> &[f64]| {
+            let pairs = photo.map_or(&[][..], of).iter().zip(of(row));
+            median(&pairs.map(|(photo, own)| own / photo).collect::<Vec<_>>())
+        };
+        let ratios = [ratio(|r| &r.frames), ratio(|r| &r.shadowless)];
         let (frame, stage2) = (median(&row.frames), median(&row.stage2));
         let size = format!("{}x{}", row.size[0], row.size[1]);
-        let ratio = median(&ratios);
         let second = if row.name == PHOTO {
             "-".to_owned()
         } else {
@@ -208,11 +210,13 @@ fn report(
             &row.leaves,
             &format!("{frame:.1}"),
             &second,
-            &format!("{ratio:.2}"),
+            &format!("{:.2}", ratios[0]),
+            &format!("{:.2}", ratios[1]),
         ]);
         found.push(json!({
             "size": row.size, "picture": row.name, "leaves": row.leaves, "frame_ms": frame,
-            "stage2_ms": stage2, "ratio_to_photo": ratio, "passes": row.passes.json(),
+            "stage2_ms": stage2, "ratio_to_photo": ratios[0],
+            "ratio_without_shadow_maps": ratios[1], "passes": row.passes.json(),
         }));
     }
     text += &table.to_string();
