@@ -341,7 +341,7 @@ fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Mea
          popping: share of ink that had none within 1.5 pixels; slip: of hatch coordinates, pixels\n\
          a frame, by distance from the cluster's centre in its radii\n\n{table}\n\
          strokes on the screen, pixels, from twice the framing distance to half of it; distance by\n\
-         the peak of the spectrum\n\n{flat}",
+         the middle of the spectrum\n\n{flat}",
         args.input.input
     );
     Report::new(

