@@ -112,7 +112,7 @@ impl View {
     /// Angles (radians) on a sphere about its front point along the axes of the eye's view of it,
     /// for a pixel to the right and one upwards: the inverse of how the picture shows the sphere
     /// there, exact also beside the picture's middle.
-    fn to_angles(&self, centre: DVec3, radius: f64) -> [f32; 4] {
+    fn angles_per_pixel(&self, centre: DVec3, radius: f64) -> [f32; 4] {
         let axes = Axes::new(self, centre);
         let [right, up, _] = self.camera.basis();
         let forward = self.camera.forward;
@@ -152,7 +152,7 @@ impl View {
             pixel_radius: outline as f32,
             front: front.max(0.0) as f32,
             to_angles: if seen {
-                self.to_angles(centre, radius)
+                self.angles_per_pixel(centre, radius)
             } else {
                 [0.0; 4]
             },

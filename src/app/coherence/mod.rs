@@ -83,8 +83,21 @@ const VARIANTS: [Variant; 5] = [
 struct Measured {
     name: &'static str,
     moved: Vec<(&'static str, Moved)>,
-    /// Factor on the framing distance, pixels between strokes, width of strokes in pixels.
-    strokes: Vec<(f64, Option<f64>, Option<f64>)>,
+    /// Strokes on the screen, from far to near.
+    strokes: Vec<Strokes>,
+}
+
+/// A number of them.
+type Measure = fn(&Strokes) -> Option<f64>;
+
+/// Strokes at one distance.
+struct Strokes {
+    /// Factor on the framing distance.
+    away: f64,
+    /// Pixels between them.
+    spacing: Option<f64>,
+    /// Their width, pixels.
+    width: Option<f64>,
 }
 
 /// Largest over smallest of what was found.
@@ -180,7 +193,11 @@ impl Shots<'_> {
             let filled = |i: usize| frame.cluster[i] > 0;
             let spacing = spectrum::spacing(&frame.ink, filled, size);
             let width = spectrum::width(&frame.ink, filled, size);
-            strokes.push((2.0 * 0.25_f64.powf(number / last), spacing, width));
+            strokes.push(Strokes {
+                away: 2.0 * 0.25_f64.powf(number / last),
+                spacing,
+                width,
+            });
             number += 1.0;
         })?;
         Ok(Measured {
@@ -309,8 +326,7 @@ fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Mea
             }));
         }
         let last = m.strokes.len().saturating_sub(1);
-        let rows: [(&str, fn(&(f64, Option<f64>, Option<f64>)) -> Option<f64>); 2] =
-            [("width", |s| s.2), ("distance", |s| s.1)];
+        let rows: [(&str, Measure); 2] = [("width", |s| s.width), ("distance", |s| s.spacing)];
         for (what, of) in rows {
             let at = |k: usize| {
                 let found = m.strokes.get(k).and_then(of);
@@ -329,7 +345,7 @@ fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Mea
             ]);
             json.push(json!({
                 "hatching": m.name, "way": "far to near", "of_strokes": what, "change": change,
-                "pixels": m.strokes.iter().map(|s| (s.0, of(s))).collect::<Vec<_>>(),
+                "pixels": m.strokes.iter().map(|s| (s.away, of(s))).collect::<Vec<_>>(),
             }));
         }
     }

@@ -132,12 +132,9 @@ mod tests {
         // Crossings of one direction only: pi / 4 of them are taken for the mean of all.
         let wide = width(&bands, |_| true, size).unwrap_or(0.0) * 0.25 * std::f64::consts::PI;
         assert!((wide / 4.0 - 1.0).abs() < 0.1, "{wide}");
-        assert_eq!(width(&[0.0; 120 * 96], |_| true, size), None, "no ink");
-        assert_eq!(spacing(&[0.0; 120 * 96], |_| true, size), None, "no ink");
-        assert_eq!(
-            spacing(&[1.0; 120 * 96], |_| false, size),
-            None,
-            "no foliage"
-        );
+        let blank = vec![0.0; 120 * 96];
+        assert_eq!(width(&blank, |_| true, size), None, "no ink");
+        assert_eq!(spacing(&blank, |_| true, size), None, "no ink");
+        assert_eq!(spacing(&bands, |_| false, size), None, "no foliage");
     }
 }

@@ -205,7 +205,7 @@ impl RawKey {
             }
             (roll, None) => {
                 let roll = roll.unwrap_or(0.0);
-                if !(roll.abs() <= MOST) {
+                if !(-MOST..=MOST).contains(&roll) {
                     return Err(format!("roll = {roll}: expected degrees"));
                 }
                 Roll::Degrees(roll)
