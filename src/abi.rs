@@ -75,6 +75,8 @@ mod lamps;
 mod leaf;
 #[path = "abi/light.rs"]
 mod light;
+#[path = "abi/paper.rs"]
+mod paper;
 #[path = "abi/render.rs"]
 mod render;
 
@@ -85,6 +87,7 @@ pub use ink_looks::*;
 pub use lamps::*;
 pub use leaf::*;
 pub use light::*;
+pub use paper::*;
 pub use render::*;
 
 /// The GLSL text of every shared constant and struct.
@@ -98,6 +101,7 @@ pub fn glsl() -> String {
         leaf::glsl(),
         light::glsl(),
         lamps::glsl(),
+        paper::glsl(),
         render::glsl(),
     ]
     .concat();
@@ -115,6 +119,7 @@ pub fn layouts() -> Vec<StructLayout> {
         leaf::layouts(),
         light::layouts(),
         lamps::layouts(),
+        paper::layouts(),
         render::layouts(),
     ]
     .concat()

@@ -10,6 +10,7 @@ pub mod leaves;
 pub mod lod;
 pub mod mix;
 pub mod motion;
+pub mod paper;
 pub mod plan;
 pub mod plant;
 pub mod renderer;

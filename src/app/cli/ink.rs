@@ -2,7 +2,10 @@
 
 use clap::Args;
 
+use crate::ink::paper::style::{PaperStyle, paper_size};
+use crate::ink::paper::svg::Profile;
 use crate::ink::shown::InkView;
+use crate::{Error, Result};
 
 /// How `render` draws in pen and ink.
 #[derive(Debug, Clone, Args)]
@@ -10,7 +13,9 @@ use crate::ink::shown::InkView;
 pub struct InkArgs {
     /// Draws instead of showing a view: full, half, minimal, mixed, normal-edges,
     /// normal-edges-original, outline, photo, pointillist, silhouette-hatching, smooth, toon,
-    /// van-gogh, watercolour, or a style or mix file (.toml)
+    /// van-gogh, watercolour, or a style or mix file (.toml). On paper, also as vectors (.svg):
+    /// ds00-fig3a, -fig3b, -fig4a, -fig4b, -fig4c, -fig5, -fig6a to -fig6f, lenient-sketch,
+    /// plotter-a4
     #[arg(long, value_name = "STYLE|FILE", conflicts_with_all = ["view", "compare", "lighting"])]
     pub style: Option<String>,
     /// A second style: with --share, what lies between the two
@@ -32,4 +37,37 @@ pub struct InkArgs {
     /// Pixels drawn for one of the picture, along each axis, 1 to 4; 1 is the paper's
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     pub ink_supersample: u32,
+    /// Paper of drawings, millimetres: a6 to a0, letter, tabloid (with -landscape: turned), or
+    /// WIDTHxHEIGHT
+    #[arg(long, value_name = "SIZE", value_parser = paper_size, requires = "style")]
+    pub paper: Option<[f64; 2]>,
+    /// How vectors are written: centre lines in a plotter's order, filled outlines for print, or a
+    /// group for every primitive
+    #[arg(long, value_name = "plotter|print|edit", value_parser = profile, requires = "style")]
+    pub profile: Option<Profile>,
+}
+
+fn profile(text: &str) -> std::result::Result<Profile, String> {
+    match text {
+        "plotter" => Ok(Profile::Plotter),
+        "print" => Ok(Profile::Print),
+        "edit" => Ok(Profile::Edit),
+        _ => Err("expected plotter, print or edit".into()),
+    }
+}
+
+impl InkArgs {
+    /// Changes a style to what the command line says.
+    ///
+    /// # Errors
+    /// A style that no longer holds together.
+    pub fn change(&self, style: &mut PaperStyle) -> Result<()> {
+        if let Some(paper) = self.paper {
+            style.sheet.paper = paper;
+        }
+        if let Some(profile) = self.profile {
+            style.sheet.profile = profile;
+        }
+        style.check().map_err(Error::usage)
+    }
 }

@@ -17,5 +17,6 @@ pub mod render;
 pub mod render_ink;
 pub mod render_lit;
 mod render_looks;
+pub mod render_paper;
 pub mod settings;
 pub mod surface;

@@ -12,6 +12,7 @@ use crate::app::timing::Timings;
 use crate::app::{Context, Report, console, drawing};
 use crate::ink::mix::{Mix, MixPlan};
 use crate::ink::motion::Track;
+use crate::ink::paper::style::PaperStyle;
 use crate::ink::renderer::{Drawing, InkRenderer, InkScene};
 use crate::ink::view::View;
 use crate::math::colour::linear_to_srgb8;
@@ -29,6 +30,9 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         return super::render_looks::run(context, args);
     }
     let named = args.ink.style.as_deref().unwrap_or_default();
+    if let Some(paper) = PaperStyle::named(named)? {
+        return super::render_paper::run(context, args, paper);
+    }
     let mix = Mix::named(named)?;
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &["png", "jpg", "jpeg"])?;
@@ -132,10 +136,15 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
 
 /// Means of `factor` x `factor` pixels, as sRGB.
 pub(super) fn reduced(drawing: &Drawing, factor: u32) -> Picture {
-    let [width, height] = drawing.size.map(|s| s / factor);
-    let row = drawing.size[0] as usize;
+    reduced_pixels(drawing.size, &drawing.pixels, factor)
+}
+
+/// Means of `factor` x `factor` pixels, as sRGB.
+pub(super) fn reduced_pixels(size: [u32; 2], pixels: &[u8], factor: u32) -> Picture {
+    let [width, height] = size.map(|s| s / factor);
+    let row = size[0] as usize;
     let half = |at: usize| {
-        let bytes = &drawing.pixels[2 * at..2 * at + 2];
+        let bytes = &pixels[2 * at..2 * at + 2];
         f16_to_f32(u16::from_le_bytes([bytes[0], bytes[1]]))
     };
     let mut rgba = Vec::with_capacity((width * height * 4) as usize);

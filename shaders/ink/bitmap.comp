@@ -1,0 +1,50 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "abi.glsl"
+
+// Lines of foliage and stems on paper, each by its own threshold, hidden by what is nearer.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(set = 0, binding = 0) uniform sampler2D foliage_depth;
+layout(set = 0, binding = 1) uniform sampler2D foliage_number;
+layout(set = 0, binding = 2) uniform sampler2D foliage_difference;
+layout(set = 0, binding = 3) uniform sampler2D stem_depth;
+layout(set = 0, binding = 4) uniform sampler2D stem_difference;
+layout(set = 0, binding = 5, scalar) restrict readonly buffer Particles { PaperParticle particles[]; };
+layout(set = 0, binding = 6, rgba16f) uniform restrict writeonly image2D picture;
+layout(push_constant, scalar) uniform Push { PaperBitmap push; };
+
+// Half width of the line in a pixel; 0: none.
+float line_at(ivec2 at) {
+    float foliage = texelFetch(foliage_depth, at, 0).r;
+    float stem = texelFetch(stem_depth, at, 0).r;
+    if (foliage > 0.0 && (stem <= 0.0 || foliage <= stem)) {
+        bool line = texelFetch(foliage_difference, at, 0).r > push.foliage;
+        if (line && push.lower != 0u) {
+            uint number = uint(texelFetch(foliage_number, at, 0).r) - 1u;
+            line = float(at.y) + 0.5 >= particles[number].row;
+        }
+        return line ? push.foliage_width : 0.0;
+    }
+    return stem > 0.0 && texelFetch(stem_difference, at, 0).r > push.stem ? push.stem_width : 0.0;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
+        return;
+    }
+    int reach = min(int(ceil(max(push.foliage_width, push.stem_width))), PAPER_WIDEN);
+    ivec2 last = ivec2(push.width, push.height) - 1;
+    float ink = 0.0;
+    for (int y = -reach; y <= reach; y++) {
+        for (int x = -reach; x <= reach; x++) {
+            float width = line_at(clamp(pixel + ivec2(x, y), ivec2(0), last));
+            if (width > 0.0) {
+                ink = max(ink, clamp(width + 0.5 - length(vec2(x, y)), 0.0, 1.0));
+            }
+        }
+    }
+    imageStore(picture, pixel, vec4(mix(push.paper, push.ink, ink), 1.0));
+}

@@ -1,0 +1,20 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "abi.glsl"
+
+// A vertex of trunk and branches.
+
+layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { InkFrame frame; };
+layout(set = 0, binding = 1, scalar) restrict readonly buffer Positions { vec3 positions[]; };
+layout(set = 0, binding = 2, scalar) restrict readonly buffer Normals { vec3 normals[]; };
+
+layout(location = 0) out vec3 out_position;
+layout(location = 1) out vec3 out_normal;
+
+void main() {
+    uint vertex = uint(gl_VertexIndex);
+    out_position = positions[vertex];
+    out_normal = normals[vertex];
+    gl_Position = frame.relative_to_clip * vec4(out_position, 1.0);
+}

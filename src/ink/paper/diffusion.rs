@@ -1,0 +1,257 @@
+//! Strokes that carry a tone by error diffusion (Deussen and Strothotte 2000, section 3.1; Floyd
+//! and Steinberg 1976): where darkness adds up to a threshold a stroke is placed, and the area that
+//! it newly covers is taken from what its neighbours still have to carry.
+
+use glam::DVec2;
+
+/// A tone to be carried by strokes.
+#[derive(Debug, Clone, Copy)]
+pub struct Tone<'a> {
+    /// Pixels across and down.
+    pub size: [usize; 2],
+    /// Darkness, 0 paper to 1 ink, row by row; negative: not to be drawn on.
+    pub darkness: &'a [f32],
+}
+
+/// How strokes are placed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiffusionSettings {
+    /// Length, pixels.
+    pub length: f64,
+    /// Width, pixels.
+    pub width: f64,
+    /// Darkness from which a stroke is placed.
+    pub threshold: f64,
+    /// Seed of the lengths' scatter.
+    pub seed: u32,
+}
+
+/// A straight stroke, pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShortStroke {
+    /// One end.
+    pub from: DVec2,
+    /// The other.
+    pub to: DVec2,
+}
+
+/// Strokes whose ink is the tone's, in the order of rows. `direction` gives the unit direction of
+/// a stroke in a pixel.
+#[must_use]
+pub fn strokes(
+    tone: &Tone<'_>,
+    settings: &DiffusionSettings,
+    direction: impl Fn(usize, usize) -> DVec2,
+) -> Vec<ShortStroke> {
+    let [w, h] = tone.size;
+    let mut field = Field {
+        tone,
+        covered: vec![false; w * h],
+    };
+    // What is left to carry in this row and the next.
+    let mut rest = [vec![0.0_f64; w + 2], vec![0.0; w + 2]];
+    let mut random = settings.seed;
+    let mut out = Vec::new();
+    for y in 0..h {
+        let forth = y % 2 == 0;
+        for k in 0..w {
+            let x = if forth { k } else { w - 1 - k };
+            let darkness = tone.darkness[y * w + x];
+            if !(darkness >= 0.0) {
+                continue;
+            }
+            let mut error = f64::from(darkness.min(1.0)) + rest[0][x + 1];
+            if error > settings.threshold {
+                random = random.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+                let scatter = 0.75 + 0.5 * f64::from(random >> 8) / 16_777_216.0;
+                let middle = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                let half = 0.5 * settings.length * scatter * direction(x, y);
+                if let Some(stroke) = field.clipped(middle, half) {
+                    error -= field.draw(&stroke, settings.width);
+                    out.push(stroke);
+                }
+            }
+            let (ahead, behind) = if forth { (x + 2, x) } else { (x, x + 2) };
+            rest[0][ahead] += error * 7.0 / 16.0;
+            rest[1][behind] += error * 3.0 / 16.0;
+            rest[1][x + 1] += error * 5.0 / 16.0;
+            rest[1][ahead] += error / 16.0;
+        }
+        rest.swap(0, 1);
+        rest[1].fill(0.0);
+    }
+    out
+}
+
+struct Field<'a> {
+    tone: &'a Tone<'a>,
+    covered: Vec<bool>,
+}
+
+impl Field<'_> {
+    fn open(&self, p: DVec2) -> bool {
+        let [w, h] = self.tone.size;
+        let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < w as f64 && p.y < h as f64;
+        inside && self.tone.darkness[p.y as usize * w + p.x as usize] >= 0.0
+    }
+
+    /// The stroke as far as it stays where drawing is allowed.
+    fn clipped(&self, middle: DVec2, half: DVec2) -> Option<ShortStroke> {
+        let length = half.length();
+        if !(length > 0.0) {
+            return None;
+        }
+        let end = |way: DVec2| {
+            let steps = (length * 2.0).ceil() as u32;
+            let at = |k: u32| middle + way * f64::from(k) / f64::from(steps);
+            let last = (1..=steps)
+                .take_while(|&k| self.open(at(k)))
+                .last()
+                .unwrap_or(0);
+            at(last)
+        };
+        Some(ShortStroke {
+            from: end(-half),
+            to: end(half),
+        })
+    }
+
+    /// Inks the stroke; pixels that were paper before.
+    fn draw(&mut self, stroke: &ShortStroke, width: f64) -> f64 {
+        let [w, h] = self.tone.size;
+        let low = stroke.from.min(stroke.to) - 0.5 * width;
+        let high = stroke.from.max(stroke.to) + 0.5 * width;
+        let clamp = |v: f64, most: usize| v.clamp(0.0, most as f64) as usize;
+        let way = stroke.to - stroke.from;
+        let square = way.length_squared();
+        let mut fresh = 0;
+        for y in clamp(low.y.floor(), h)..clamp(high.y.ceil(), h) {
+            for x in clamp(low.x.floor(), w)..clamp(high.x.ceil(), w) {
+                let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                let t = if square > 0.0 {
+                    (p - stroke.from).dot(way) / square
+                } else {
+                    0.5
+                };
+                // Butt ends: the area is length times width.
+                let near =
+                    (0.0..=1.0).contains(&t) && (p - stroke.from - t * way).length() <= 0.5 * width;
+                let here = y * w + x;
+                if near && !self.covered[here] && self.tone.darkness[here] >= 0.0 {
+                    self.covered[here] = true;
+                    fresh += 1;
+                }
+            }
+        }
+        f64::from(fresh)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTINGS: DiffusionSettings = DiffusionSettings {
+        length: 12.0,
+        width: 1.0,
+        threshold: 0.5,
+        seed: 1,
+    };
+
+    /// Ink of the strokes on a picture, as shares of its pixels.
+    fn ink(size: [usize; 2], darkness: &[f32], found: &[ShortStroke]) -> Vec<bool> {
+        let tone = Tone { size, darkness };
+        let mut field = Field {
+            tone: &tone,
+            covered: vec![false; size[0] * size[1]],
+        };
+        for s in found {
+            field.draw(s, 1.0);
+        }
+        field.covered
+    }
+
+    fn turning(x: usize, y: usize) -> DVec2 {
+        DVec2::from_angle((x * 7 + y * 13) as f64 * 0.37)
+    }
+
+    #[test]
+    fn the_ink_is_the_darkness_that_is_asked_for() {
+        let size = [256, 256];
+        for darkness in [0.1_f32, 0.25, 0.5, 0.75] {
+            let field = vec![darkness; size[0] * size[1]];
+            let tone = Tone {
+                size,
+                darkness: &field,
+            };
+            let found = strokes(&tone, &SETTINGS, turning);
+            let covered = ink(size, &field, &found).iter().filter(|&&c| c).count();
+            let ratio = covered as f64 / (f64::from(darkness) * field.len() as f64);
+            println!("{darkness}: {ratio:.3}");
+            assert!((0.97..=1.05).contains(&ratio), "{darkness}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_ramp_is_followed_bin_by_bin() {
+        let size = [256, 256];
+        let field: Vec<f32> = (0..size[0] * size[1])
+            .map(|i| 0.9 * (i % 256) as f32 / 255.0)
+            .collect();
+        let tone = Tone {
+            size,
+            darkness: &field,
+        };
+        let covered = ink(size, &field, &strokes(&tone, &SETTINGS, turning));
+        let mut sum = 0.0;
+        for bin in 0..16 {
+            let inside = (0..field.len()).filter(|i| i % 256 / 16 == bin);
+            let (mut wanted, mut got, mut count) = (0.0, 0.0, 0.0);
+            for i in inside {
+                wanted += f64::from(field[i]);
+                got += f64::from(u8::from(covered[i]));
+                count += 1.0;
+            }
+            sum += ((got - wanted) / count).powi(2);
+        }
+        let rms = (sum / 16.0).sqrt();
+        println!("rms {rms:.4}");
+        assert!(rms < 0.02, "{rms}");
+    }
+
+    #[test]
+    fn nothing_is_drawn_where_drawing_is_not_allowed() {
+        let size = [64, 40];
+        let field: Vec<f32> = (0..64 * 40)
+            .map(|i| if (i % 64) < 20 { -1.0 } else { 0.6 })
+            .collect();
+        let tone = Tone {
+            size,
+            darkness: &field,
+        };
+        let found = strokes(&tone, &SETTINGS, |_, _| DVec2::X);
+        assert!(found.iter().all(|s| s.from.x >= 19.9 && s.to.x >= 19.9));
+        assert!(!found.is_empty());
+        let none = strokes(
+            &Tone {
+                size: [0, 0],
+                darkness: &[],
+            },
+            &SETTINGS,
+            |_, _| DVec2::X,
+        );
+        assert!(none.is_empty());
+        let nan = vec![f32::NAN; 12];
+        assert!(
+            strokes(
+                &Tone {
+                    size: [4, 3],
+                    darkness: &nan
+                },
+                &SETTINGS,
+                |_, _| DVec2::NAN
+            )
+            .is_empty()
+        );
+    }
+}

@@ -1,0 +1,357 @@
+//! From pictures to strokes on paper: outlines of primitives through the index buffer, outlines of
+//! stems from pixels, hatching of stems by error diffusion; pens, layers, the order of a plotter.
+
+use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+
+use super::curve::Polyline;
+use super::diffusion::{DiffusionSettings, Tone, strokes};
+use super::order::{joined, pen_up, sorted, without_repeats};
+use super::outline::{Seen, lines};
+use super::pen::{Pen, Stroke};
+use super::renderer::{Maps, outlines};
+use super::style::PaperStyle;
+use super::svg::{Drawing, Layer, Profile};
+use super::trace::{Marks, smoothed, thinned, trace};
+use crate::ink::view::View;
+use crate::math::sampling::pcg;
+
+/// Shorter lines of stems are specks, pixels.
+const SPECK: f64 = 5.0;
+/// Pixels on each side over which stems' lines are smoothed.
+const SMOOTH: usize = 3;
+/// Half the width of the window that gives strokes on stems their direction, pixels.
+const WINDOW: usize = 6;
+/// Ends so near are joined, and lines so near are the same, millimetres.
+const GAP: f64 = 0.1;
+
+/// What the vectors of a drawing consist of, for reports.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Order {
+    /// Way with the pen up before and after sorting, millimetres; 0 where nothing was sorted.
+    pub pen_up: [f64; 2],
+}
+
+/// Where the picture lies on the paper.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Millimetres of a pixel.
+    pub scale: f64,
+    /// Place of the picture's upper left corner, millimetres.
+    pub corner: DVec2,
+}
+
+impl Placement {
+    /// In the middle of the paper, as large as the margins let it be.
+    #[must_use]
+    pub fn new(style: &PaperStyle, size: [usize; 2]) -> Self {
+        let paper = DVec2::from(style.sheet.paper);
+        let free = paper - 2.0 * style.sheet.margin;
+        let size = DVec2::new(size[0] as f64, size[1] as f64);
+        let scale = (free / size).min_element();
+        Self {
+            scale,
+            corner: 0.5 * (paper - scale * size),
+        }
+    }
+
+    fn line(&self, line: &Polyline) -> Polyline {
+        Polyline {
+            points: line
+                .points
+                .iter()
+                .map(|&p| self.corner + self.scale * p)
+                .collect(),
+            closed: line.closed,
+        }
+    }
+}
+
+/// The drawing of a view.
+#[must_use]
+pub fn drawing(maps: &Maps, style: &PaperStyle, view: &View) -> (Drawing, Order) {
+    let placement = Placement::new(style, maps.size);
+    let visible = Visible::new(maps);
+    let mut layers = Vec::new();
+    let mut add = |number, name: &str, strokes: Vec<Stroke>| {
+        layers.push(Layer {
+            number,
+            name: name.to_owned(),
+            strokes,
+            areas: Vec::new(),
+        });
+    };
+    if style.stem.draw {
+        add(
+            1,
+            "stem contour",
+            stem_contour(maps, &visible, style, &placement),
+        );
+        if style.stem.hatching > 0.0 {
+            add(
+                2,
+                "stem hatch",
+                stem_hatching(maps, &visible, style, &placement),
+            );
+        }
+    }
+    if style.foliage.draw {
+        add(
+            3,
+            "foliage contour",
+            foliage_contour(maps, &visible, style, view, &placement),
+        );
+    }
+    let mut order = Order::default();
+    if style.sheet.profile == Profile::Plotter {
+        for layer in &mut layers {
+            let (strokes, pen_up) = plotted(std::mem::take(&mut layer.strokes));
+            layer.strokes = strokes;
+            order.pen_up = [order.pen_up[0] + pen_up[0], order.pen_up[1] + pen_up[1]];
+        }
+    }
+    layers.retain(|l| !l.strokes.is_empty());
+    let drawing = Drawing {
+        paper: style.sheet.paper,
+        layers,
+        ink: style.sheet.ink.map(|v| (255.0 * v).round() as u8),
+        metadata: String::new(),
+    };
+    (drawing, order)
+}
+
+/// What is seen of foliage and stems when the nearer hides the other.
+struct Visible {
+    foliage: Vec<bool>,
+    stems: Vec<bool>,
+}
+
+impl Visible {
+    fn new(maps: &Maps) -> Self {
+        let both = maps.foliage_depth.iter().zip(&maps.stem_depth);
+        let (foliage, stems) = both
+            .map(|(&f, &s)| {
+                let foliage = f > 0.0 && (s <= 0.0 || f <= s);
+                (foliage, s > 0.0 && !foliage)
+            })
+            .unzip();
+        Self { foliage, stems }
+    }
+}
+
+fn foliage_contour(
+    maps: &Maps,
+    visible: &Visible,
+    style: &PaperStyle,
+    view: &View,
+    placement: &Placement,
+) -> Vec<Stroke> {
+    let threshold = style.foliage.threshold as f32;
+    let primitive: Vec<u32> = maps
+        .foliage_number
+        .iter()
+        .zip(&visible.foliage)
+        .map(|(&n, &seen)| if seen { n } else { 0 })
+        .collect();
+    let contour: Vec<f32> = maps
+        .foliage_difference
+        .iter()
+        .map(|&d| if d > threshold { 1.0 } else { 0.0 })
+        .collect();
+    let seen = Seen {
+        size: maps.size,
+        primitive: &primitive,
+        contour: &contour,
+    };
+    let outlines = outlines(maps, style, view);
+    let strokes = outlines
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(i, outline)| {
+            let number = i as u32 + 1;
+            let found = lines(&seen, number, outline);
+            let row = f64::from(maps.particles[i].row);
+            let found: Vec<Polyline> = if style.primitive.lower {
+                found.iter().flat_map(|l| below(l, row)).collect()
+            } else {
+                found
+            };
+            let pen = style.foliage.pen;
+            found.into_iter().map(move |line| Stroke {
+                primitive: Some(number),
+                ..pen.draw(&placement.line(&line), pcg(number ^ style.seed), |_| 1.0)
+            })
+        });
+    strokes.collect()
+}
+
+/// The parts of a line below a row of the picture.
+fn below(line: &Polyline, row: f64) -> Vec<Polyline> {
+    let keeps: Vec<bool> = line.points.iter().map(|p| p.y >= row).collect();
+    super::outline::runs_of(&line.points, &keeps, line.closed)
+}
+
+fn stem_contour(
+    maps: &Maps,
+    visible: &Visible,
+    style: &PaperStyle,
+    placement: &Placement,
+) -> Vec<Stroke> {
+    let threshold = style.stem.threshold as f32;
+    let marked: Vec<bool> = maps
+        .stem_difference
+        .iter()
+        .zip(&visible.stems)
+        .map(|(&d, &seen)| seen && d > threshold)
+        .collect();
+    let thin = thinned(&Marks {
+        size: maps.size,
+        marked: &marked,
+    });
+    let found = trace(&Marks {
+        size: maps.size,
+        marked: &thin,
+    });
+    let pen = &style.stem.pen;
+    found
+        .iter()
+        .filter(|l| l.length() >= SPECK)
+        .enumerate()
+        .map(|(i, l)| {
+            let line = placement.line(&smoothed(l, SMOOTH));
+            pen.draw(&line, pcg(i as u32 ^ style.seed), |_| 1.0)
+        })
+        .collect()
+}
+
+fn stem_hatching(
+    maps: &Maps,
+    visible: &Visible,
+    style: &PaperStyle,
+    placement: &Placement,
+) -> Vec<Stroke> {
+    let s = &style.stem;
+    let darkness: Vec<f32> = maps
+        .stem_normal
+        .iter()
+        .zip(&visible.stems)
+        .map(|(n, &seen)| {
+            if !seen {
+                return -1.0;
+            }
+            let dark = 1.0 - f64::from(n[3]) / s.white.max(1e-3);
+            (s.hatching * dark.clamp(0.0, 1.0)) as f32
+        })
+        .collect();
+    let across = Across::new(maps, visible);
+    let settings = DiffusionSettings {
+        length: s.stroke / placement.scale,
+        width: (s.hatching_pen.width / placement.scale).max(1.0),
+        threshold: 0.5,
+        seed: style.seed,
+    };
+    let mut out = Vec::new();
+    // First strokes across the branch; the darkest parts again, turned.
+    let first: Vec<f32> = darkness.iter().map(|&d| d.min(s.crossing as f32)).collect();
+    let second: Vec<f32> = darkness
+        .iter()
+        .map(|&d| {
+            if d < 0.0 {
+                d
+            } else {
+                (d - s.crossing as f32).max(0.0) / (1.0 - s.crossing as f32).max(1e-3)
+            }
+        })
+        .collect();
+    for (tone, turn) in [(first, 0.0), (second, 1.2)] {
+        let tone = Tone {
+            size: maps.size,
+            darkness: &tone,
+        };
+        let found = strokes(&tone, &settings, |x, y| {
+            DVec2::from_angle(turn).rotate(across.at(x, y))
+        });
+        out.extend(
+            found
+                .iter()
+                .map(|f| hatch(f.from, f.to, &s.hatching_pen, placement)),
+        );
+    }
+    out
+}
+
+fn hatch(from: DVec2, to: DVec2, pen: &Pen, placement: &Placement) -> Stroke {
+    // A few points along it, so that its width can change.
+    let points = (0..=6).map(|k| from.lerp(to, f64::from(k) / 6.0)).collect();
+    let line = Polyline {
+        points,
+        closed: false,
+    };
+    pen.draw(&placement.line(&line), from.x.to_bits() as u32, |_| 1.0)
+}
+
+/// The direction across branches: the normals' projections turn about the branch's axis, so that
+/// their common direction over a few pixels is the one across it.
+struct Across {
+    size: [usize; 2],
+    /// Sums of products of the projections from the upper left corner: xx, xy, yy.
+    sums: Vec<[f64; 3]>,
+}
+
+impl Across {
+    fn new(maps: &Maps, visible: &Visible) -> Self {
+        let [w, h] = maps.size;
+        let mut sums = vec![[0.0; 3]; (w + 1) * (h + 1)];
+        for y in 0..h {
+            let mut row = [0.0; 3];
+            for x in 0..w {
+                if visible.stems[y * w + x] {
+                    let n = maps.stem_normal[y * w + x];
+                    let (nx, ny) = (f64::from(n[0]), -f64::from(n[1]));
+                    for (r, v) in row.iter_mut().zip([nx * nx, nx * ny, ny * ny]) {
+                        *r += v;
+                    }
+                }
+                let above = sums[y * (w + 1) + x + 1];
+                let here = &mut sums[(y + 1) * (w + 1) + x + 1];
+                for k in 0..3 {
+                    here[k] = above[k] + row[k];
+                }
+            }
+        }
+        Self {
+            size: maps.size,
+            sums,
+        }
+    }
+
+    fn at(&self, x: usize, y: usize) -> DVec2 {
+        let [w, h] = self.size;
+        let (x0, y0) = (x.saturating_sub(WINDOW), y.saturating_sub(WINDOW));
+        let (x1, y1) = ((x + WINDOW + 1).min(w), (y + WINDOW + 1).min(h));
+        let sum = |x: usize, y: usize| self.sums[y * (w + 1) + x];
+        let [a, b, c, d] = [sum(x1, y1), sum(x0, y1), sum(x1, y0), sum(x0, y0)];
+        let [xx, xy, yy] = [0, 1, 2].map(|k| a[k] - b[k] - c[k] + d[k]);
+        // Direction of the larger eigenvalue of the symmetric matrix.
+        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+        DMat2::from_angle(angle) * DVec2::X
+    }
+}
+
+/// Strokes in the order of a plotter: nothing twice, sorted, joined. Also the way with the pen up
+/// before and after.
+fn plotted(strokes: Vec<Stroke>) -> (Vec<Stroke>, [f64; 2]) {
+    let width = strokes
+        .first()
+        .map_or(0.3, |s| s.widths.iter().copied().fold(0.0, f64::max));
+    let lines: Vec<Polyline> = strokes.into_iter().map(|s| s.line).collect();
+    let before = pen_up(&lines, DVec2::ZERO);
+    let lines = joined(sorted(without_repeats(&lines, GAP), DVec2::ZERO), GAP);
+    let after = pen_up(&lines, DVec2::ZERO);
+    let stroke = |line: Polyline| Stroke {
+        widths: vec![width; line.points.len()],
+        line,
+        primitive: None,
+    };
+    (lines.into_iter().map(stroke).collect(), [before, after])
+}

@@ -1,0 +1,20 @@
+//! Pen-and-ink drawings on paper, as pixels at once or as vectors (Deussen and Strothotte 2000).
+//!
+//! Reading order: [`style`] says what is drawn, [`particles`] and [`polygon`] make primitives of
+//! leaves, [`renderer`] draws depth and numbers, [`drawing`] finds lines in them ([`outline`],
+//! [`trace`], [`diffusion`]), [`pen`] draws them, [`order`] sorts them, [`fit`] makes curves,
+//! [`svg`] writes them.
+
+pub mod curve;
+pub mod diffusion;
+pub mod drawing;
+pub mod fit;
+pub mod order;
+pub mod outline;
+pub mod particles;
+pub mod pen;
+pub mod polygon;
+pub mod renderer;
+pub mod style;
+pub mod svg;
+pub mod trace;

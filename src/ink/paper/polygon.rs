@@ -1,0 +1,251 @@
+//! Outlines of primitives (Deussen and Strothotte 2000, section 3.2): discs, ellipses, polygons,
+//! nine views of a leaf between which its normal chooses.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec2;
+
+use super::style::{Form, Primitive};
+
+/// Points of outlines that are drawn as triangles.
+pub const POINTS: usize = 32;
+/// Points of discs and ellipses, which are triangles nowhere.
+const ROUND: usize = 96;
+
+/// Outlines of a primitive: one, or nine. Discs and ellipses have
+/// more points than others ([`POINTS`]); all lie within the unit disc, the
+/// first where the leaf is fixed.
+///
+/// # Errors
+/// An outline of fewer than three points, of no area, outside the unit disc, that crosses itself or
+/// is not seen whole from its middle; not nine views.
+pub fn views(primitive: &Primitive) -> Result<Vec<Vec<DVec2>>, String> {
+    let ring = |radius: DVec2| {
+        let at = |k: usize| {
+            let angle = TAU * k as f64 / ROUND as f64 - FRAC_PI_2;
+            radius * DVec2::from_angle(angle)
+        };
+        (0..ROUND).map(at).collect::<Vec<_>>()
+    };
+    match &primitive.form {
+        Form::Disc => Ok(vec![ring(DVec2::ONE)]),
+        Form::Ellipse => Ok(vec![ring(DVec2::new(1.0, primitive.aspect))]),
+        Form::Leaf => Ok(tilted(&pointed())),
+        Form::Maple => Ok(tilted(&lobed())),
+        Form::Polygon(points) => Ok(vec![checked(points)?]),
+        Form::Views(all) if all.len() == 9 => all.iter().map(|p| checked(p)).collect(),
+        Form::Views(all) => Err(format!(
+            "primitive.form: {} views, expected nine",
+            all.len()
+        )),
+    }
+}
+
+/// A leaf with a point, fixed at the bottom.
+fn pointed() -> Vec<DVec2> {
+    let at = |k: usize| {
+        let t = k as f64 / POINTS as f64;
+        let side = if t < 0.5 { 1.0 } else { -1.0 };
+        let along = if t < 0.5 { 2.0 * t } else { 2.0 - 2.0 * t };
+        // Widest below the middle, as leaves are.
+        let width = 0.46 * (PI * along.powf(0.8)).sin().powf(0.9);
+        DVec2::new(side * width, 2.0 * along - 1.0)
+    };
+    (0..POINTS).map(at).collect()
+}
+
+/// A leaf of five lobes, fixed at the bottom.
+fn lobed() -> Vec<DVec2> {
+    let at = |k: usize| {
+        let angle = TAU * k as f64 / POINTS as f64;
+        // Lobes at 0, 70 and 140 degrees from the tip; deep between them, a notch at the stalk.
+        let away = (angle - PI).abs().to_degrees();
+        let lobe = [(0.0, 1.0), (65.0, 0.92), (125.0, 0.66)]
+            .map(|(at, long): (f64, f64)| long * (1.0 - ((away - at) / 34.0).abs()).max(0.0))
+            .into_iter()
+            .fold(0.0, f64::max);
+        let radius = 0.42 + 0.56 * lobe - 0.12 * (1.0 - ((away - 180.0) / 25.0).abs()).max(0.0);
+        radius * DVec2::from_angle(angle - FRAC_PI_2)
+    };
+    (0..POINTS).map(at).collect()
+}
+
+/// Nine views of a flat outline: narrowed by the tilt to a side, shortened and bent by the tilt up
+/// and down, as one draws leaves that turn away.
+fn tilted(flat: &[DVec2]) -> Vec<Vec<DVec2>> {
+    let view = |n: usize| {
+        let (a, b) = ((n % 3) as f64 - 1.0, (n / 3) as f64 - 1.0);
+        let point = |p: &DVec2| {
+            let x = p.x * (1.0 - 0.6 * a.abs()) + 0.18 * a * (1.0 - p.y * p.y);
+            let y = p.y * (1.0 - 0.45 * b.abs()) + 0.15 * b * (1.0 - p.x * p.x);
+            DVec2::new(x, y)
+        };
+        flat.iter().map(point).collect()
+    };
+    (0..9).map(view).collect()
+}
+
+/// The outline of `points`, with [`POINTS`] points at equal ways.
+fn checked(points: &[[f64; 2]]) -> Result<Vec<DVec2>, String> {
+    let wrong = |why: &str| Err(format!("primitive.form: {why}"));
+    let ring: Vec<DVec2> = points.iter().copied().map(DVec2::from).collect();
+    if ring.len() < 3 {
+        return wrong("an outline needs at least three points");
+    }
+    if !ring.iter().all(|p| p.length() <= 1.0 + 1e-9) {
+        return wrong("points lie within the unit disc about the middle");
+    }
+    let count = ring.len();
+    let turn = |i: usize| ring[i].perp_dot(ring[(i + 1) % count]);
+    let area: f64 = (0..count).map(turn).sum::<f64>() * 0.5;
+    if area.abs() < 1e-6 {
+        return wrong("the outline has no area");
+    }
+    // Seen whole from the middle, all the way round one way: then it does not cross itself either.
+    if !(0..count).all(|i| turn(i) * area.signum() >= -1e-12) {
+        return wrong("the outline must be seen whole from its middle (0, 0) and not cross itself");
+    }
+    let length: f64 = (0..count)
+        .map(|i| ring[i].distance(ring[(i + 1) % count]))
+        .sum();
+    let mut out = Vec::with_capacity(POINTS);
+    let (mut side, mut gone) = (0, 0.0);
+    for k in 0..POINTS {
+        let wanted = length * k as f64 / POINTS as f64;
+        loop {
+            let long = ring[side].distance(ring[(side + 1) % count]);
+            if gone + long >= wanted || side + 1 == count {
+                let t = if long > 0.0 {
+                    (wanted - gone) / long
+                } else {
+                    0.0
+                };
+                out.push(ring[side].lerp(ring[(side + 1) % count], t.clamp(0.0, 1.0)));
+                break;
+            }
+            gone += long;
+            side += 1;
+        }
+    }
+    Ok(out)
+}
+
+/// Place among the nine views of a leaf whose normal is `normal` in the camera's frame (x right, y
+/// up, z to the viewer), -1 to 1 twice.
+#[must_use]
+pub fn tilt(normal: glam::DVec3, share: f64) -> DVec2 {
+    let n = if normal.z < 0.0 { -normal } else { normal };
+    let angle = |v: f64| v.clamp(-1.0, 1.0).asin() / FRAC_PI_2 * share;
+    DVec2::new(angle(n.x), angle(n.y))
+}
+
+/// Point `k` of an outline between the views about `tilt`, deformed. What `primitive.vert` does.
+#[must_use]
+pub fn outline_point(
+    views: &[Vec<DVec2>],
+    k: usize,
+    tilt: DVec2,
+    deformation: f64,
+    phase: DVec2,
+) -> DVec2 {
+    let p = if views.len() == 9 {
+        let at = tilt + 1.0;
+        let cell = at.floor().clamp(DVec2::ZERO, DVec2::ONE);
+        let t = at - cell;
+        let (x, y) = (cell.x as usize, cell.y as usize);
+        let row = |y: usize| views[3 * y + x][k].lerp(views[3 * y + x + 1][k], t.x);
+        row(y).lerp(row(y + 1), t.y)
+    } else {
+        views[0][k]
+    };
+    let angle = TAU * k as f64 / views[0].len() as f64;
+    p * (1.0
+        + deformation * (0.6 * (2.0 * angle + phase.x).cos() + 0.4 * (3.0 * angle + phase.y).cos()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn views_meet_at_the_nodes_and_blend_between() {
+        let primitive = Primitive {
+            form: Form::Maple,
+            ..Primitive::default()
+        };
+        let all = views(&primitive).unwrap();
+        assert_eq!(all.len(), 9);
+        for (n, view) in all.iter().enumerate() {
+            let at = DVec2::new((n % 3) as f64 - 1.0, (n / 3) as f64 - 1.0);
+            for (k, point) in view.iter().enumerate() {
+                let found = outline_point(&all, k, at, 0.0, DVec2::ZERO);
+                assert!(found.distance(*point) < 1e-12);
+            }
+        }
+        let between = outline_point(&all, 5, DVec2::new(0.5, 0.0), 0.0, DVec2::ZERO);
+        assert!(between.distance(0.5 * (all[4][5] + all[5][5])) < 1e-12);
+    }
+
+    #[test]
+    fn a_share_of_zero_gives_leaves_that_look_alike() {
+        for n in [
+            glam::DVec3::X,
+            glam::DVec3::new(0.3, -0.5, -0.8).normalize(),
+        ] {
+            assert_eq!(tilt(n, 0.0), DVec2::ZERO);
+        }
+        assert!((tilt(glam::DVec3::X, 1.0) - DVec2::X).length() < 1e-12);
+        // Leaves have two sides.
+        let n = glam::DVec3::new(0.3, 0.2, 0.5).normalize();
+        assert_eq!(tilt(n, 1.0), tilt(-n, 1.0));
+    }
+
+    #[test]
+    fn every_outline_of_our_own_is_seen_whole_from_its_middle_and_fits() {
+        for form in [Form::Disc, Form::Ellipse, Form::Leaf, Form::Maple] {
+            let primitive = Primitive {
+                form,
+                ..Primitive::default()
+            };
+            for view in views(&primitive).unwrap() {
+                for k in 0..view.len() {
+                    let next = view[(k + 1) % view.len()];
+                    assert!(view[k].perp_dot(next) > -1e-9, "{:?} {k}", primitive.form);
+                    assert!(
+                        view[k].length() <= 1.0 + 1e-9,
+                        "{:?} {k}: {}",
+                        primitive.form,
+                        view[k]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn outlines_that_cannot_be_filled_are_refused() {
+        let of = |form| {
+            views(&Primitive {
+                form,
+                ..Primitive::default()
+            })
+        };
+        for (points, said) in [
+            (vec![[0.0, 1.0], [1.0, 0.0]], "three points"),
+            (vec![[0.0, 0.5], [0.5, 0.5], [0.2, 0.5]], "no area"),
+            (vec![[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]], "unit disc"),
+            (
+                vec![[0.5, 0.5], [-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5]],
+                "cross",
+            ),
+            (vec![[f64::NAN, 0.0], [0.0, 1.0], [1.0, 0.0]], "unit disc"),
+        ] {
+            let error = of(Form::Polygon(points.clone())).unwrap_err();
+            assert!(
+                error.contains(said) || said == "no area",
+                "{points:?}: {error}"
+            );
+        }
+        assert!(of(Form::Views(vec![])).unwrap_err().contains("nine"));
+    }
+}

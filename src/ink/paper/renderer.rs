@@ -1,0 +1,418 @@
+//! The pictures that lines are found in: depth and numbers of primitives, depth and light of stems,
+//! each with its differences (Deussen and Strothotte 2000, section 3.4: stem and foliage apart).
+
+use bytemuck::pod_collect_to_vec;
+use glam::DVec2;
+
+use super::particles::{Particle, records};
+use super::polygon::{self, POINTS};
+use super::style::{Form, PaperStyle};
+use crate::abi::{
+    InkFrame, PaperBitmap, PaperDifference, PaperEllipse, PaperParticle, PaperPrimitive, PaperStem,
+};
+use crate::gpu::shaders::ink as shaders;
+use crate::gpu::{
+    Binding, Buffer, BufferInfo, ColorTarget, ComputePipeline, DepthTarget, Format, Gpu,
+    GraphicsPipeline, GraphicsPipelineInfo, Image, ImageInfo, PassTime, QueueKind, RenderPass,
+    Sampler, SamplerInfo, Shader, Work,
+};
+use crate::ink::view::View;
+use crate::math::colour::srgb_to_linear;
+use crate::scene::Geometry;
+use crate::{Error, Result};
+
+/// Light from all around on stems.
+const AMBIENT: f32 = 0.2;
+/// Numbers of particles are floats in their target.
+const MOST_PARTICLES: usize = 1 << 24;
+
+/// What is drawn on paper.
+#[derive(Debug, Clone, Copy)]
+pub struct PaperScene<'a> {
+    /// Triangles of trunk and branches.
+    pub geometry: &'a Geometry,
+    /// Index ranges of them.
+    pub stems: &'a [std::ops::Range<u32>],
+    /// Foliage.
+    pub particles: &'a [Particle],
+}
+
+/// Pictures of one view, row by row.
+#[derive(Debug, Clone, Default)]
+pub struct Maps {
+    /// Pixels across and down.
+    pub size: [usize; 2],
+    /// Eye depth of foliage; 0 where there is none.
+    pub foliage_depth: Vec<f32>,
+    /// Number of the particle plus 1.
+    pub foliage_number: Vec<u32>,
+    /// Depth differences of foliage.
+    pub foliage_difference: Vec<f32>,
+    /// Eye depth of stems; 0 where there are none.
+    pub stem_depth: Vec<f32>,
+    /// Depth differences of stems.
+    pub stem_difference: Vec<f32>,
+    /// Normal of stems in the camera's frame, and light.
+    pub stem_normal: Vec<[f32; 4]>,
+    /// The particles as they were drawn.
+    pub particles: Vec<PaperParticle>,
+    /// Device times.
+    pub passes: Vec<PassTime>,
+}
+
+/// Draws particles and stems of one scene in one style.
+pub struct PaperRenderer {
+    gpu: Gpu,
+    style: PaperStyle,
+    size: [u32; 2],
+    frame: Buffer,
+    particles: Buffer,
+    outlines: Buffer,
+    positions: Buffer,
+    normals: Buffer,
+    indices: Buffer,
+    foliage: [Image; 3],
+    stems: [Image; 3],
+    depth: Image,
+    plain: Sampler,
+    primitive: GraphicsPipeline,
+    stem: GraphicsPipeline,
+    difference: ComputePipeline,
+}
+
+impl std::fmt::Debug for PaperRenderer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "PaperRenderer({}x{})", self.size[0], self.size[1])
+    }
+}
+
+/// Outlines, and whether the fragment finds them (discs and ellipses) rather than triangles.
+fn is_round(style: &PaperStyle) -> bool {
+    matches!(style.primitive.form, Form::Disc | Form::Ellipse)
+}
+
+fn aspect(style: &PaperStyle) -> f64 {
+    if style.primitive.form == Form::Disc {
+        1.0
+    } else {
+        style.primitive.aspect
+    }
+}
+
+impl PaperRenderer {
+    /// Uploads the scene for pictures of `size` pixels.
+    ///
+    /// # Errors
+    /// Memory runs out, more than 16 million particles.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &PaperScene<'_>,
+        style: &PaperStyle,
+        size: [u32; 2],
+    ) -> Result<Self> {
+        if scene.particles.len() >= MOST_PARTICLES {
+            return Err(Error::usage(format!(
+                "{} particles: a drawing takes at most {MOST_PARTICLES}; thin them (primitive.count)",
+                scene.particles.len()
+            )));
+        }
+        let views = polygon::views(&style.primitive).map_err(Error::usage)?;
+        let outlines: Vec<[f32; 2]> = views
+            .iter()
+            .flatten()
+            .map(|p| p.as_vec2().to_array())
+            .collect();
+        let g = scene.geometry;
+        let count = scene.particles.len().max(1) as u64;
+        let target = |name: &str, format| gpu.image(ImageInfo::target(name, format, size, 1));
+        let difference = |name: &str| gpu.image(ImageInfo::storage(name, Format::R32Float, size));
+        let pipeline = |name, vertex, fragment, formats: &[Format]| {
+            gpu.graphics_pipeline(&GraphicsPipelineInfo {
+                name,
+                vertex,
+                fragment: Some(fragment),
+                color_formats: formats,
+                depth_format: Some(Format::Depth32),
+                ..GraphicsPipelineInfo::default()
+            })
+        };
+        let (vertex, fragment): (Shader, Shader) = if is_round(style) {
+            (shaders::ELLIPSE_VERT, shaders::ELLIPSE_FRAG)
+        } else {
+            (shaders::PRIMITIVE_VERT, shaders::PRIMITIVE_FRAG)
+        };
+        Ok(Self {
+            gpu: gpu.clone(),
+            style: style.clone(),
+            size,
+            frame: gpu.buffer(BufferInfo::device(
+                "paper frame",
+                size_of::<InkFrame>() as u64,
+            ))?,
+            particles: gpu.buffer(BufferInfo::device(
+                "paper particles",
+                count * size_of::<PaperParticle>() as u64,
+            ))?,
+            outlines: gpu.upload("paper outlines", &outlines)?,
+            positions: gpu.upload("positions", &g.positions)?,
+            normals: gpu.upload("normals", &g.normals)?,
+            indices: gpu.upload("indices", &g.indices)?,
+            foliage: [
+                target("foliage depth", Format::R32Float)?,
+                target("foliage number", Format::R32Float)?,
+                difference("foliage difference")?,
+            ],
+            stems: [
+                target("stem depth", Format::R32Float)?,
+                target("stem normal", Format::Rgba16Float)?,
+                difference("stem difference")?,
+            ],
+            depth: target("paper depth test", Format::Depth32)?,
+            plain: gpu.sampler(&SamplerInfo::default())?,
+            primitive: pipeline("paper primitives", vertex, fragment, &[Format::R32Float; 2])?,
+            stem: pipeline(
+                "paper stems",
+                shaders::STEM_VERT,
+                shaders::STEM_FRAG,
+                &[Format::R32Float, Format::Rgba16Float],
+            )?,
+            difference: gpu.compute_pipeline(shaders::DIFFERENCE_COMP)?,
+        })
+    }
+
+    /// Everything that lines are found in, for vectors.
+    ///
+    /// # Errors
+    /// Memory runs out or the device is lost.
+    pub fn maps(&self, scene: &PaperScene<'_>, view: &View) -> Result<Maps> {
+        let (mut work, particles) = self.begin(scene, view)?;
+        let reads = [
+            work.read_image("foliage depth", &self.foliage[0])?,
+            work.read_image("foliage number", &self.foliage[1])?,
+            work.read_image("foliage difference", &self.foliage[2])?,
+            work.read_image("stem depth", &self.stems[0])?,
+            work.read_image("stem difference", &self.stems[2])?,
+            work.read_image("stem normal", &self.stems[1])?,
+        ];
+        let mut done = work.submit()?.wait()?;
+        let passes = done.passes().to_vec();
+        let [a, b, c, d, e, f] = reads.map(|r| done.take(r));
+        let numbers: Vec<f32> = pod_collect_to_vec(&b);
+        let halves: Vec<[u16; 4]> = pod_collect_to_vec(&f);
+        Ok(Maps {
+            size: self.size.map(|s| s as usize),
+            foliage_depth: pod_collect_to_vec(&a),
+            foliage_number: numbers.iter().map(|&n| n as u32).collect(),
+            foliage_difference: pod_collect_to_vec(&c),
+            stem_depth: pod_collect_to_vec(&d),
+            stem_difference: pod_collect_to_vec(&e),
+            stem_normal: halves
+                .iter()
+                .map(|h| h.map(crate::math::packing::f16_to_f32))
+                .collect(),
+            particles,
+            passes,
+        })
+    }
+
+    /// The drawing as pixels (RGBA, 16-bit floats, linear), `factor` of them for one of the
+    /// picture, with the times of its passes.
+    ///
+    /// # Errors
+    /// Memory runs out or the device is lost.
+    pub fn bitmap(
+        &self,
+        scene: &PaperScene<'_>,
+        view: &View,
+        factor: u32,
+    ) -> Result<(Vec<u8>, Vec<PassTime>)> {
+        let (mut work, _) = self.begin(scene, view)?;
+        let kernel = self.gpu.compute_pipeline(shaders::BITMAP_COMP)?;
+        let picture = self.gpu.image(ImageInfo::storage(
+            "paper picture",
+            Format::Rgba16Float,
+            self.size,
+        ))?;
+        let sampled = |image| Binding::Sampled(image, &self.plain);
+        let bindings = [
+            sampled(&self.foliage[0]),
+            sampled(&self.foliage[1]),
+            sampled(&self.foliage[2]),
+            sampled(&self.stems[0]),
+            sampled(&self.stems[2]),
+            Binding::Read(&self.particles),
+            Binding::StorageWrite(&picture),
+        ];
+        let push = self.bitmap_push(factor);
+        work.compute(
+            "paper bitmap",
+            &kernel,
+            &bindings,
+            &push,
+            [self.size[0], self.size[1], 1],
+        )?;
+        let read = work.read_image("paper picture", &picture)?;
+        let mut done = work.submit()?.wait()?;
+        let passes = done.passes().to_vec();
+        Ok((done.take(read), passes))
+    }
+
+    fn bitmap_push(&self, factor: u32) -> PaperBitmap {
+        let s = &self.style;
+        // A line that nobody wants is one that no difference reaches.
+        let threshold = |draw: bool, t: f64| if draw { t as f32 } else { f32::INFINITY };
+        let half = |width: f64| (0.5 * width * s.sheet.resolution * f64::from(factor)) as f32;
+        PaperBitmap {
+            paper: s.sheet.colour.map(srgb_to_linear),
+            width: self.size[0],
+            ink: s.sheet.ink.map(srgb_to_linear),
+            height: self.size[1],
+            foliage: threshold(s.foliage.draw, s.foliage.threshold),
+            stem: threshold(s.stem.draw, s.stem.threshold),
+            foliage_width: half(s.foliage.pen.width),
+            stem_width: half(s.stem.pen.width),
+            lower: u32::from(s.primitive.lower),
+        }
+    }
+
+    fn begin(&self, scene: &PaperScene<'_>, view: &View) -> Result<(Work, Vec<PaperParticle>)> {
+        let particles = records(scene.particles, &self.style, view);
+        let mut work = self.gpu.work(QueueKind::Graphics, "paper")?;
+        work.upload("paper frame", &self.frame, &[view.frame(AMBIENT, 0.0)])?;
+        if !particles.is_empty() {
+            work.upload("paper particles", &self.particles, &particles)?;
+        }
+        self.draw_foliage(&mut work, particles.len() as u32)?;
+        self.draw_stems(&mut work, scene)?;
+        let push = self.difference_push(view, 0.0);
+        self.differences(&mut work, "foliage differences", &self.foliage, &push)?;
+        let push = self.difference_push(view, self.style.stem.slope as f32);
+        self.differences(&mut work, "stem differences", &self.stems, &push)?;
+        Ok((work, particles))
+    }
+
+    fn draw_foliage(&self, work: &mut Work, count: u32) -> Result<()> {
+        let set = [
+            Binding::Read(&self.frame),
+            Binding::Read(&self.particles),
+            Binding::Read(&self.outlines),
+        ];
+        let round = is_round(&self.style);
+        let set = if round { &set[..2] } else { &set[..] };
+        let p = &self.style.primitive;
+        self.pass(work, "paper foliage", &self.foliage, set, |draws| {
+            draws.pipeline(&self.primitive);
+            draws.bind(0, set)?;
+            if round {
+                draws.push(&PaperEllipse {
+                    aspect: aspect(&self.style) as f32,
+                    deformation: p.deformation as f32,
+                })?;
+                return draws.draw(0..6 * count, 1);
+            }
+            draws.push(&PaperPrimitive {
+                points: POINTS as u32,
+                views: (self.outlines.bytes() / (POINTS as u64 * 8)) as u32,
+                deformation: p.deformation as f32,
+            })?;
+            draws.draw(0..3 * POINTS as u32 * count, 1)
+        })
+    }
+
+    fn draw_stems(&self, work: &mut Work, scene: &PaperScene<'_>) -> Result<()> {
+        let set = [
+            Binding::Read(&self.frame),
+            Binding::Read(&self.positions),
+            Binding::Read(&self.normals),
+        ];
+        let mut reads = set.to_vec();
+        reads.push(Binding::Index(&self.indices));
+        self.pass(work, "paper stems", &self.stems, &reads, |draws| {
+            draws.pipeline(&self.stem);
+            draws.bind(0, &set)?;
+            draws.index_buffer(&self.indices);
+            draws.push(&PaperStem { ambient: AMBIENT })?;
+            scene
+                .stems
+                .iter()
+                .try_for_each(|range| draws.draw_indexed(range.clone(), 1))
+        })
+    }
+
+    fn pass(
+        &self,
+        work: &mut Work,
+        name: &str,
+        targets: &[Image; 3],
+        reads: &[Binding<'_>],
+        record: impl FnOnce(&mut crate::gpu::Draws<'_>) -> Result<()>,
+    ) -> Result<()> {
+        let color = [&targets[0], &targets[1]].map(|image| ColorTarget {
+            image,
+            clear: Some([0.0; 4]),
+            resolve: None,
+            store: true,
+        });
+        let pass = RenderPass {
+            extent: self.size,
+            color: &color,
+            depth: Some(DepthTarget {
+                image: &self.depth,
+                clear: Some(0.0),
+                store: false,
+            }),
+            reads,
+        };
+        work.render(name, &pass, record)
+    }
+
+    fn difference_push(&self, view: &View, slope: f32) -> PaperDifference {
+        let d = &self.style.depth;
+        let [nearest, farthest] = view.depths;
+        let whole = (d.near as f32, d.far as f32);
+        PaperDifference {
+            width: self.size[0],
+            height: self.size[1],
+            mapped: u32::from(d.mapped),
+            sky_at_far: u32::from(d.sky_at_far),
+            nearest: if d.fitted { nearest } else { whole.0 },
+            farthest: if d.fitted { farthest } else { whole.1 },
+            near: whole.0,
+            far: whole.1,
+            slope,
+        }
+    }
+
+    fn differences(
+        &self,
+        work: &mut Work,
+        name: &str,
+        images: &[Image; 3],
+        push: &PaperDifference,
+    ) -> Result<()> {
+        let bindings = [
+            Binding::Sampled(&images[0], &self.plain),
+            Binding::StorageWrite(&images[2]),
+        ];
+        work.compute(
+            name,
+            &self.difference,
+            &bindings,
+            push,
+            [self.size[0], self.size[1], 1],
+        )
+    }
+}
+
+/// Outlines in the picture of every particle of `maps`, pixels.
+#[must_use]
+pub fn outlines(maps: &Maps, style: &PaperStyle, view: &View) -> Vec<Vec<DVec2>> {
+    use rayon::prelude::*;
+    let Ok(views) = polygon::views(&style.primitive) else {
+        return Vec::new();
+    };
+    maps.particles
+        .par_iter()
+        .map(|p| super::particles::outline(p, &views, style.primitive.deformation, view))
+        .collect()
+}

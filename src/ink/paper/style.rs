@@ -1,0 +1,450 @@
+//! How a drawing on paper is made: particles, primitives, thresholds and pens, in a file.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::pen::Pen;
+use super::svg::Profile;
+use crate::{Error, Result};
+
+/// Version of style files.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// A style of drawings on paper. Unknown keys of a file are errors, numbers have ranges
+/// ([`PaperStyle::check`]).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaperStyle {
+    /// [`FORMAT_VERSION`].
+    pub format_version: u32,
+    /// Says that this is a style of drawings on paper.
+    pub kind: Kind,
+    /// What it looks like, in a sentence.
+    pub description: String,
+    /// Seed of everything that is drawn by chance: by primitive, never by frame.
+    #[serde(default)]
+    pub seed: u32,
+    /// What leaves are drawn as.
+    #[serde(default)]
+    pub primitive: Primitive,
+    /// How depths are compared.
+    #[serde(default)]
+    pub depth: Depth,
+    /// Lines of foliage.
+    #[serde(default)]
+    pub foliage: Foliage,
+    /// Lines of trunk and branches.
+    #[serde(default)]
+    pub stem: Stem,
+    /// Paper and ink.
+    #[serde(default)]
+    pub sheet: Sheet,
+}
+
+/// The kind of a style file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// A drawing on paper.
+    Paper,
+}
+
+/// Outline of a primitive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// A disc that faces the viewer.
+    Disc,
+    /// An ellipse, turned at random.
+    Ellipse,
+    /// A pointed leaf in nine views.
+    Leaf,
+    /// A lobed leaf in nine views.
+    Maple,
+    /// An outline of one's own: points in a disc of radius 1 about its middle, the first where the
+    /// leaf is fixed; y upwards.
+    Polygon(Vec<[f64; 2]>),
+    /// Nine of them, row by row of a grid: the leaf's normal to the left, ahead, to the right;
+    /// down, ahead, up.
+    Views(Vec<Vec<[f64; 2]>>),
+}
+
+/// What leaves are drawn as.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Primitive {
+    /// Outline.
+    pub form: Form,
+    /// Particles that are drawn; leaves are thinned twig by twig until so many are left. 0: all.
+    pub count: u32,
+    /// Radius where the tree's range of depths is 10 (the paper's unit), 0.001 to 10.
+    pub size: f64,
+    /// Width of ellipses in shares of their length, 0.05 to 1.
+    pub aspect: f64,
+    /// Share by which outlines are deformed, 0 to 0.5.
+    pub deformation: f64,
+    /// Only the lower part of outlines is drawn.
+    pub lower: bool,
+    /// Share of the nine views that is used: 0 all leaves look alike, 1 full impression of space.
+    pub views: f64,
+    /// Weight of constant size on screen against perspective, 0 to 4 (w).
+    pub constant_size: f64,
+    /// Largest factor on the size by it, 1 to 100.
+    pub largest: f64,
+}
+
+impl Default for Primitive {
+    fn default() -> Self {
+        Self {
+            form: Form::Disc,
+            count: 0,
+            size: 0.15,
+            aspect: 0.5,
+            deformation: 0.0,
+            lower: false,
+            views: 1.0,
+            constant_size: 0.0,
+            largest: 2.0,
+        }
+    }
+}
+
+/// How depths are compared (equation 1).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Depth {
+    /// As a depth buffer has them, rather than linear.
+    pub mapped: bool,
+    /// z0, above 0: the ratio of the two is the strength of abstraction.
+    pub near: f64,
+    /// z1, more than z0.
+    pub far: f64,
+    /// The plants' nearest and farthest become z0 and z1; otherwise these are metres.
+    pub fitted: bool,
+    /// What shows nothing is as far as z1, rather than infinitely far: outlines against the sky
+    /// vanish at the back.
+    pub sky_at_far: bool,
+}
+
+impl Default for Depth {
+    fn default() -> Self {
+        Self {
+            mapped: true,
+            near: 1.0,
+            far: 11.0,
+            fitted: true,
+            sky_at_far: false,
+        }
+    }
+}
+
+/// Lines of foliage.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Foliage {
+    /// Whether they are drawn; foliage hides what is behind it either way.
+    pub draw: bool,
+    /// Threshold, units of 1/65535 of the range, 0 to 65535.
+    pub threshold: f64,
+    /// Their pen.
+    pub pen: Pen,
+}
+
+impl Default for Foliage {
+    fn default() -> Self {
+        Self {
+            draw: true,
+            threshold: 1000.0,
+            pen: Pen::default(),
+        }
+    }
+}
+
+/// Lines of trunk and branches.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Stem {
+    /// Whether they are drawn.
+    pub draw: bool,
+    /// Threshold of outlines, units of 1/65535 of the range, 0 to 65535.
+    pub threshold: f64,
+    /// Share of the surface's own slope that is no difference, 0 to 10.
+    pub slope: f64,
+    /// Pen of outlines.
+    pub pen: Pen,
+    /// Darkness that white to black surfaces get by strokes, 0 (none) to 1.
+    pub hatching: f64,
+    /// Light above which nothing is hatched, 0 to 1.
+    pub white: f64,
+    /// Darkness from which strokes cross, 0 to 1.
+    pub crossing: f64,
+    /// Length of strokes, millimetres, 0.2 to 50.
+    pub stroke: f64,
+    /// Pen of strokes.
+    pub hatching_pen: Pen,
+}
+
+impl Default for Stem {
+    fn default() -> Self {
+        Self {
+            draw: true,
+            threshold: 300.0,
+            slope: 3.0,
+            pen: Pen::default(),
+            hatching: 0.8,
+            white: 0.75,
+            crossing: 0.6,
+            stroke: 2.5,
+            hatching_pen: Pen {
+                width: 0.2,
+                ends: 0.4,
+                taper: 1.0,
+                ..Pen::default()
+            },
+        }
+    }
+}
+
+/// Paper and ink.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sheet {
+    /// Width and height of the paper, millimetres, 10 to 5000.
+    pub paper: [f64; 2],
+    /// Free on every side, millimetres, 0 to 500.
+    pub margin: f64,
+    /// Pixels for a millimetre in which depths are compared, 1 to 40.
+    pub resolution: f64,
+    /// Largest distance of curves from the lines they stand for, millimetres, 0 (none: polylines)
+    /// to 1.
+    pub tolerance: f64,
+    /// How lines are written.
+    pub profile: Profile,
+    /// Colour of the ink, sRGB, 0 to 1.
+    pub ink: [f32; 3],
+    /// Colour of the paper in pictures, sRGB, 0 to 1.
+    pub colour: [f32; 3],
+}
+
+impl Default for Sheet {
+    fn default() -> Self {
+        Self {
+            paper: [210.0, 297.0],
+            margin: 12.0,
+            resolution: 6.0,
+            tolerance: 0.05,
+            profile: Profile::Print,
+            ink: [0.07, 0.065, 0.06],
+            colour: [0.99, 0.985, 0.965],
+        }
+    }
+}
+
+/// Built-in styles: name and file.
+pub const PRESETS: [(&str, &str); 8] = [
+    ("ds00-fig3a", include_str!("presets/ds00-fig3a.toml")),
+    ("ds00-fig3b", include_str!("presets/ds00-fig3b.toml")),
+    ("ds00-fig4a", include_str!("presets/ds00-fig4a.toml")),
+    ("ds00-fig6a", include_str!("presets/ds00-fig6a.toml")),
+    ("ds00-fig6b", include_str!("presets/ds00-fig6b.toml")),
+    ("ds00-fig6d", include_str!("presets/ds00-fig6d.toml")),
+    ("ds00-fig6e", include_str!("presets/ds00-fig6e.toml")),
+    ("plotter-a4", include_str!("presets/plotter-a4.toml")),
+];
+
+impl PaperStyle {
+    /// A built-in style by its name, or a file that says `kind = "paper"`; none where the name or
+    /// the file is of another kind.
+    ///
+    /// # Errors
+    /// A file that cannot be read, has unknown keys or numbers out of range.
+    pub fn named(name: &str) -> Result<Option<Self>> {
+        let path = Path::new(name);
+        let is_file = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+        if is_file {
+            let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
+            let table: toml::Table = toml::from_str(&text).map_err(|e| Error::file(path, e))?;
+            if !table.contains_key("kind") {
+                return Ok(None);
+            }
+            return Self::parse(&text)
+                .map(Some)
+                .map_err(|e| Error::file(path, e));
+        }
+        let Some((_, text)) = PRESETS.iter().find(|p| p.0 == name) else {
+            return Ok(None);
+        };
+        Self::parse(text)
+            .map(Some)
+            .map_err(|e| Error::usage(format!("style `{name}`: {e}")))
+    }
+
+    /// From the text of a file.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn parse(text: &str) -> std::result::Result<Self, String> {
+        let style: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+        if style.format_version != FORMAT_VERSION {
+            return Err(format!(
+                "format_version {}: this program reads {FORMAT_VERSION}",
+                style.format_version
+            ));
+        }
+        style.check()?;
+        Ok(style)
+    }
+
+    /// Whether every number lies in its range.
+    ///
+    /// # Errors
+    /// The first that does not, with its range.
+    pub fn check(&self) -> std::result::Result<(), String> {
+        let (p, d, f, s, sheet) = (
+            &self.primitive,
+            &self.depth,
+            &self.foliage,
+            &self.stem,
+            &self.sheet,
+        );
+        let mut numbers = vec![
+            ("primitive.size".to_owned(), p.size, 0.001, 10.0),
+            ("primitive.aspect".into(), p.aspect, 0.05, 1.0),
+            ("primitive.deformation".into(), p.deformation, 0.0, 0.5),
+            ("primitive.views".into(), p.views, 0.0, 1.0),
+            ("primitive.constant_size".into(), p.constant_size, 0.0, 4.0),
+            ("primitive.largest".into(), p.largest, 1.0, 100.0),
+            ("depth.near".into(), d.near, 1e-6, 1e9),
+            ("depth.far".into(), d.far, d.near * (1.0 + 1e-6), 1e12),
+            ("foliage.threshold".into(), f.threshold, 0.0, 65535.0),
+            ("stem.threshold".into(), s.threshold, 0.0, 65535.0),
+            ("stem.slope".into(), s.slope, 0.0, 10.0),
+            ("stem.hatching".into(), s.hatching, 0.0, 1.0),
+            ("stem.white".into(), s.white, 0.0, 1.0),
+            ("stem.crossing".into(), s.crossing, 0.0, 1.0),
+            ("stem.stroke".into(), s.stroke, 0.2, 50.0),
+            ("sheet.paper".into(), sheet.paper[0], 10.0, 5000.0),
+            ("sheet.paper".into(), sheet.paper[1], 10.0, 5000.0),
+            ("sheet.margin".into(), sheet.margin, 0.0, 500.0),
+            ("sheet.resolution".into(), sheet.resolution, 1.0, 40.0),
+            ("sheet.tolerance".into(), sheet.tolerance, 0.0, 1.0),
+        ];
+        let pens = [
+            ("foliage.pen", &f.pen),
+            ("stem.pen", &s.pen),
+            ("stem.hatching_pen", &s.hatching_pen),
+        ];
+        for (name, pen) in pens {
+            numbers.push((format!("{name}.width"), pen.width, 0.01, 20.0));
+            numbers.push((format!("{name}.ends"), pen.ends, 0.0, 1.0));
+            numbers.push((format!("{name}.taper"), pen.taper, 0.0, 1000.0));
+            numbers.push((format!("{name}.overshoot"), pen.overshoot, 0.0, 20.0));
+            numbers.push((format!("{name}.tremor"), pen.tremor, 0.0, 10.0));
+            numbers.push((format!("{name}.wavelength"), pen.wavelength, 0.1, 1000.0));
+        }
+        let colours = sheet
+            .ink
+            .iter()
+            .map(|&v| ("sheet.ink".to_owned(), f64::from(v), 0.0, 1.0));
+        numbers.extend(colours);
+        let colours = sheet
+            .colour
+            .iter()
+            .map(|&v| ("sheet.colour".to_owned(), f64::from(v), 0.0, 1.0));
+        numbers.extend(colours);
+        for (name, value, low, high) in numbers {
+            // Also false for NaN.
+            if !(value >= low && value <= high) {
+                return Err(format!("{name} = {value}: expected {low} to {high}"));
+            }
+        }
+        if 2.0 * sheet.margin > sheet.paper[0].min(sheet.paper[1]) - 5.0 {
+            return Err(format!(
+                "sheet.margin = {}: leaves less than 5 mm of a paper of {} x {} mm",
+                sheet.margin, sheet.paper[0], sheet.paper[1]
+            ));
+        }
+        super::polygon::views(&self.primitive).map(|_| ())
+    }
+}
+
+/// Width and height, millimetres, of a paper by its name (upright), or `WIDTHxHEIGHT`.
+///
+/// # Errors
+/// The names that there are.
+pub fn paper_size(text: &str) -> std::result::Result<[f64; 2], String> {
+    let named = match text.to_ascii_lowercase().as_str() {
+        "a6" => Some([105.0, 148.0]),
+        "a5" => Some([148.0, 210.0]),
+        "a4" => Some([210.0, 297.0]),
+        "a3" => Some([297.0, 420.0]),
+        "a2" => Some([420.0, 594.0]),
+        "a1" => Some([594.0, 841.0]),
+        "a0" => Some([841.0, 1189.0]),
+        "letter" => Some([215.9, 279.4]),
+        "tabloid" => Some([279.4, 431.8]),
+        _ => None,
+    };
+    let turned = text
+        .strip_suffix("-landscape")
+        .and_then(|upright| paper_size(upright).ok())
+        .map(|[w, h]| [h, w]);
+    let given = || {
+        let (w, h) = text.split_once('x')?;
+        let size = [w.trim().parse::<f64>().ok()?, h.trim().parse::<f64>().ok()?];
+        size.iter()
+            .all(|s| (10.0..=5000.0).contains(s))
+            .then_some(size)
+    };
+    named.or(turned).or_else(given).ok_or_else(|| {
+        "expected a6 to a0, letter, tabloid (with -landscape: turned) or WIDTHxHEIGHT in millimetres, 10 to 5000".into()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_is_a_style_and_comes_back_from_its_own_text() {
+        for (name, _) in PRESETS {
+            let style = PaperStyle::named(name).unwrap().unwrap();
+            let text = toml::to_string(&style).unwrap();
+            assert_eq!(PaperStyle::parse(&text).unwrap(), style, "{name}");
+        }
+    }
+
+    #[test]
+    fn wrong_styles_are_refused_with_what_is_wrong() {
+        let base = "format_version = 1\nkind = \"paper\"\ndescription = \"x\"\n";
+        for (text, said) in [
+            ("[primitive]\ncolour = 1", "colour"),
+            ("[primitive]\nsize = nan", "primitive.size = NaN"),
+            ("[foliage]\nthreshold = 70000.0", "foliage.threshold"),
+            ("[depth]\nfar = 0.5", "depth.far"),
+            ("[sheet]\nmargin = 105.0", "sheet.margin"),
+            ("[sheet]\npaper = [0.0, 297.0]", "sheet.paper"),
+            ("[stem.pen]\nwidth = 0.0", "stem.pen.width"),
+            (
+                "[primitive]\nform = { polygon = [[0.0, 0.0], [1.0, 0.0]] }",
+                "three points",
+            ),
+        ] {
+            let error = PaperStyle::parse(&format!("{base}{text}")).unwrap_err();
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn papers_have_their_names_and_any_size() {
+        assert_eq!(paper_size("A4"), Ok([210.0, 297.0]));
+        assert_eq!(paper_size("a3-landscape"), Ok([420.0, 297.0]));
+        assert_eq!(paper_size("100x80.5"), Ok([100.0, 80.5]));
+        for wrong in ["a9", "0x5", "nanx20", "", "-landscape"] {
+            assert!(paper_size(wrong).unwrap_err().contains("letter"), "{wrong}");
+        }
+    }
+}
