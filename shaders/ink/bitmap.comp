@@ -12,22 +12,31 @@ layout(set = 0, binding = 2) uniform sampler2D foliage_difference;
 layout(set = 0, binding = 3) uniform sampler2D stem_depth;
 layout(set = 0, binding = 4) uniform sampler2D stem_difference;
 layout(set = 0, binding = 5, scalar) restrict readonly buffer Particles { PaperParticle particles[]; };
-layout(set = 0, binding = 6, rgba16f) uniform restrict writeonly image2D picture;
+layout(set = 0, binding = 6) uniform sampler2D shadow_map;
+layout(set = 0, binding = 7, rgba16f) uniform restrict writeonly image2D picture;
 layout(push_constant, scalar) uniform Push { PaperBitmap push; };
+
+layout(constant_id = 0) const bool SHADOW = false;
 
 // Half width of the line in a pixel; 0: none.
 float line_at(ivec2 at) {
     float foliage = texelFetch(foliage_depth, at, 0).r;
     float stem = texelFetch(stem_depth, at, 0).r;
+    float shade = SHADOW ? texelFetch(shadow_map, at, 0).r : 0.0;
+    float width = 0.0;
     if (foliage > 0.0 && (stem <= 0.0 || foliage <= stem)) {
-        bool line = texelFetch(foliage_difference, at, 0).r > push.foliage;
+        uint number = uint(texelFetch(foliage_number, at, 0).r);
+        float threshold = push.foliage * (1.0 + push.detail * shade);
+        bool line = number <= push.leaves && texelFetch(foliage_difference, at, 0).r > threshold;
         if (line && push.lower != 0u) {
-            uint number = uint(texelFetch(foliage_number, at, 0).r) - 1u;
-            line = float(at.y) + 0.5 >= particles[number].row;
+            line = float(at.y) + 0.5 >= particles[number - 1u].row;
         }
-        return line ? push.foliage_width : 0.0;
+        width = line ? push.foliage_width : 0.0;
+    } else {
+        bool line = stem > 0.0 && texelFetch(stem_difference, at, 0).r > push.stem;
+        width = line ? push.stem_width : 0.0;
     }
-    return stem > 0.0 && texelFetch(stem_difference, at, 0).r > push.stem ? push.stem_width : 0.0;
+    return width * (1.0 + push.pressure * shade);
 }
 
 void main() {
@@ -35,9 +44,10 @@ void main() {
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
         return;
     }
-    int reach = min(int(ceil(max(push.foliage_width, push.stem_width))), PAPER_WIDEN);
+    float widest = max(push.foliage_width, push.stem_width) * (1.0 + push.pressure);
+    int reach = min(int(ceil(widest)), PAPER_WIDEN);
     ivec2 last = ivec2(push.width, push.height) - 1;
-    float ink = 0.0;
+    float ink = SHADOW && texelFetch(shadow_map, pixel, 0).r > push.black ? 1.0 : 0.0;
     for (int y = -reach; y <= reach; y++) {
         for (int x = -reach; x <= reach; x++) {
             float width = line_at(clamp(pixel + ivec2(x, y), ivec2(0), last));

@@ -79,6 +79,22 @@ abi! {
             slope: f32,
         }
 
+        /// Push constants of shadows.
+        PaperSunlit {
+            /// Pixels across.
+            width: u32,
+            /// Pixels down.
+            height: u32,
+            /// Texels along the sun's map.
+            map_size: u32,
+            /// Texels on each side over which shadows are averaged.
+            reach: u32,
+            /// Way behind what the sun sees first that is still in its light, metres.
+            bias: f32,
+            /// Way from there to deepest shadow, metres.
+            softness: f32,
+        }
+
         /// Push constants of the bitmap.
         PaperBitmap {
             /// Linear colour of the paper.
@@ -99,6 +115,14 @@ abi! {
             stem_width: f32,
             /// Whether only the lower part of outlines is drawn.
             lower: u32,
+            /// Number of the last particle of foliage; those after it are ground.
+            leaves: u32,
+            /// Growth of foliage's threshold in shadow, -1 to 1.
+            detail: f32,
+            /// Shadow from which everything is ink; above 1: nowhere.
+            black: f32,
+            /// Growth of lines' width in shadow.
+            pressure: f32,
         }
     }
 }

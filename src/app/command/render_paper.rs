@@ -14,7 +14,7 @@ use crate::foliage::{Leaves, Primitive};
 use crate::ink::leaves::{LeafTriangles, leaves};
 use crate::ink::paper::drawing::{Order, drawing};
 use crate::ink::paper::fit::FitSettings;
-use crate::ink::paper::particles::{Particle, particles};
+use crate::ink::paper::particles::{Particle, ground, particles};
 use crate::ink::paper::renderer::{PaperRenderer, PaperScene};
 use crate::ink::paper::style::PaperStyle;
 use crate::ink::paper::svg::Drawing;
@@ -31,6 +31,7 @@ struct Subject {
     prepared: Prepared,
     stems: Vec<std::ops::Range<u32>>,
     particles: Vec<Particle>,
+    leaves: usize,
 }
 
 /// Draws the model on paper.
@@ -106,10 +107,14 @@ fn subject(prepared: Prepared, style: &PaperStyle, timings: &mut Timings) -> Res
         })
         .map(|(_, p)| p.index_range().start as u32..p.index_range().end as u32)
         .collect();
+    let leaves = particles.len();
+    let mut particles = particles;
+    particles.extend(ground(&geometry.positions, &style.ground, style.seed));
     Ok(Subject {
         prepared,
         stems,
         particles,
+        leaves,
     })
 }
 
@@ -119,6 +124,7 @@ impl Subject {
             geometry: &self.prepared.geometry,
             stems: &self.stems,
             particles: &self.particles,
+            leaves: self.leaves,
         }
     }
 

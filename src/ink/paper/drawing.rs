@@ -6,11 +6,13 @@ use rayon::prelude::*;
 
 use super::curve::Polyline;
 use super::diffusion::{DiffusionSettings, Tone, strokes};
+use super::fit::{FitSettings, fit};
 use super::order::{joined, pen_up, sorted, without_repeats};
 use super::outline::{Seen, lines};
 use super::pen::{Pen, Stroke};
+use super::region::{self, filling};
 use super::renderer::{Maps, outlines};
-use super::style::PaperStyle;
+use super::style::{PaperStyle, ShadowForm};
 use super::svg::{Drawing, Layer, Profile};
 use super::trace::{Marks, smoothed, thinned, trace};
 use crate::ink::view::View;
@@ -55,6 +57,11 @@ impl Placement {
         }
     }
 
+    /// The pixel at a place of the paper.
+    fn pixel(&self, p: DVec2) -> DVec2 {
+        (p - self.corner) / self.scale
+    }
+
     fn line(&self, line: &Polyline) -> Polyline {
         Polyline {
             points: line
@@ -95,12 +102,23 @@ pub fn drawing(maps: &Maps, style: &PaperStyle, view: &View) -> (Drawing, Order)
             );
         }
     }
+    let shade = Shade::new(maps, style);
     if style.foliage.draw {
         add(
             3,
             "foliage contour",
-            foliage_contour(maps, &visible, style, view, &placement),
+            foliage_contour(maps, &visible, &shade, style, view, &placement),
         );
+    }
+    if style.shadow.form == ShadowForm::Hatch {
+        add(
+            4,
+            "foliage hatch",
+            shade.hatching(&visible.foliage, &placement),
+        );
+    }
+    if style.shadow.form == ShadowForm::Black {
+        layers.push(shade.black(&visible, &placement));
     }
     let mut order = Order::default();
     if style.sheet.profile == Profile::Plotter {
@@ -110,7 +128,7 @@ pub fn drawing(maps: &Maps, style: &PaperStyle, view: &View) -> (Drawing, Order)
             order.pen_up = [order.pen_up[0] + pen_up[0], order.pen_up[1] + pen_up[1]];
         }
     }
-    layers.retain(|l| !l.strokes.is_empty());
+    layers.retain(|l| !l.strokes.is_empty() || !l.areas.is_empty());
     let drawing = Drawing {
         paper: style.sheet.paper,
         layers,
@@ -142,11 +160,13 @@ impl Visible {
 fn foliage_contour(
     maps: &Maps,
     visible: &Visible,
+    shade: &Shade<'_>,
     style: &PaperStyle,
     view: &View,
     placement: &Placement,
 ) -> Vec<Stroke> {
     let threshold = style.foliage.threshold as f32;
+    let growth = shade.detail();
     let primitive: Vec<u32> = maps
         .foliage_number
         .iter()
@@ -156,7 +176,11 @@ fn foliage_contour(
     let contour: Vec<f32> = maps
         .foliage_difference
         .iter()
-        .map(|&d| if d > threshold { 1.0 } else { 0.0 })
+        .enumerate()
+        .map(|(i, &d)| {
+            let line = d > threshold * (1.0 + growth * shade.at(i));
+            if line { 1.0 } else { 0.0 }
+        })
         .collect();
     let seen = Seen {
         size: maps.size,
@@ -179,10 +203,116 @@ fn foliage_contour(
             let pen = style.foliage.pen;
             found.into_iter().map(move |line| Stroke {
                 primitive: Some(number),
-                ..pen.draw(&placement.line(&line), pcg(number ^ style.seed), |_| 1.0)
+                ..pen.draw(&placement.line(&line), pcg(number ^ style.seed), |p| {
+                    shade.pressure(placement.pixel(p))
+                })
             })
         });
     strokes.collect()
+}
+
+/// The sun's shadow as it is drawn.
+struct Shade<'a> {
+    maps: &'a Maps,
+    style: &'a PaperStyle,
+}
+
+impl<'a> Shade<'a> {
+    fn new(maps: &'a Maps, style: &'a PaperStyle) -> Self {
+        Self { maps, style }
+    }
+
+    fn at(&self, pixel: usize) -> f32 {
+        self.maps.shadow.get(pixel).copied().unwrap_or(0.0)
+    }
+
+    /// Growth of the threshold in shadow.
+    fn detail(&self) -> f32 {
+        let shadow = &self.style.shadow;
+        if shadow.form == ShadowForm::Detail {
+            shadow.detail as f32
+        } else {
+            0.0
+        }
+    }
+
+    /// Factor on the width of lines at a pixel.
+    fn pressure(&self, p: DVec2) -> f64 {
+        let shadow = &self.style.shadow;
+        if shadow.form != ShadowForm::Detail {
+            return 1.0;
+        }
+        let [w, h] = self.maps.size;
+        let at = p.clamp(DVec2::ZERO, DVec2::new(w as f64 - 1.0, h as f64 - 1.0));
+        1.0 + shadow.pressure * f64::from(self.at(at.y as usize * w + at.x as usize))
+    }
+
+    /// What is black of foliage, ground and stems.
+    fn black(&self, visible: &Visible, placement: &Placement) -> Layer {
+        let s = &self.style.shadow;
+        let seen = visible.foliage.iter().zip(&visible.stems);
+        let dark: Vec<bool> = seen
+            .enumerate()
+            .map(|(i, (&f, &t))| (f || t) && f64::from(self.at(i)) > s.black)
+            .collect();
+        let size = self.maps.size;
+        let mut layer = Layer {
+            number: 5,
+            name: "shadow".into(),
+            ..Layer::default()
+        };
+        if self.style.sheet.profile == Profile::Plotter {
+            let spacing = 0.9 * s.pen.width / placement.scale;
+            let lines = filling(size, &dark, spacing, -s.angle.to_radians());
+            layer.strokes = lines
+                .iter()
+                .map(|l| s.pen.draw(&placement.line(l), 0, |_| 1.0))
+                .collect();
+        } else {
+            let curves = FitSettings {
+                tolerance: self.style.sheet.tolerance,
+                corner: 1.2,
+            };
+            let areas = region::outlines(size, &dark, SPECK);
+            layer.areas = areas
+                .par_iter()
+                .map(|l| fit(&placement.line(l), &curves))
+                .collect();
+        }
+        layer
+    }
+
+    /// Strokes for the shadow on foliage and ground.
+    fn hatching(&self, foliage: &[bool], placement: &Placement) -> Vec<Stroke> {
+        let s = &self.style.shadow;
+        let darkness: Vec<f32> = foliage
+            .iter()
+            .enumerate()
+            .map(|(i, &seen)| {
+                if seen {
+                    s.hatching as f32 * self.at(i)
+                } else {
+                    -1.0
+                }
+            })
+            .collect();
+        let tone = Tone {
+            size: self.maps.size,
+            darkness: &darkness,
+        };
+        let settings = DiffusionSettings {
+            length: s.stroke / placement.scale,
+            width: (s.pen.width / placement.scale).max(1.0),
+            threshold: 0.5,
+            seed: self.style.seed,
+        };
+        let way = DVec2::from_angle(-s.angle.to_radians());
+        let found = strokes(&tone, &settings, |_, _| way);
+        found
+            .iter()
+            .map(|f| hatch(f.from, f.to, &s.pen, placement))
+            .collect()
+    }
 }
 
 /// The parts of a line below a row of the picture.

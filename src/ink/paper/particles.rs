@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::polygon::{outline_point, tilt};
-use super::style::{Form, PaperStyle};
+use super::style::{Form, Ground, PaperStyle};
 use crate::Result;
 use crate::abi::PaperParticle;
 use crate::ink::clusters::{Choice, Clusters};
@@ -84,25 +84,63 @@ fn twigs(all: &[Particle], wanted: f64) -> Result<Clusters> {
     Ok(found)
 }
 
+/// Particles of the ground about the plants: on the level of their lowest point, evenly over a disc.
+#[must_use]
+pub fn ground(positions: &[Vec3], ground: &Ground, seed: u32) -> Vec<Particle> {
+    let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = positions
+        .iter()
+        .copied()
+        .fold(Vec3::NEG_INFINITY, Vec3::max);
+    if !low.is_finite() {
+        return Vec::new();
+    }
+    let middle = 0.5 * (low + high);
+    let radius = 0.5 * (high - low).x.max((high - low).z) * ground.extent as f32;
+    let particle = |number: u32| {
+        let seed = pcg(number ^ pcg(!seed));
+        let angle = std::f64::consts::TAU * uniform(seed, 3);
+        let way = radius * uniform(seed, 4).sqrt() as f32;
+        let (sin, cos) = angle.sin_cos();
+        Particle {
+            centre: Vec3::new(
+                middle.x + way * cos as f32,
+                low.y,
+                middle.z + way * sin as f32,
+            ),
+            normal: Vec3::Y,
+            axis: None,
+            seed,
+        }
+    };
+    (0..ground.count).map(particle).collect()
+}
+
 /// Metres of a length in the paper's unit, in which the plants' depths span ten.
 #[must_use]
 pub fn unit(view: &View) -> f64 {
     (f64::from(view.depths[1]) - f64::from(view.depths[0])) / 10.0
 }
 
-/// The particles as kernels see them in a view.
+/// The particles as kernels see them in a view; those from number `leaves` on are ground.
 #[must_use]
-pub fn records(particles: &[Particle], style: &PaperStyle, view: &View) -> Vec<PaperParticle> {
+pub fn records(
+    particles: &[Particle],
+    leaves: usize,
+    style: &PaperStyle,
+    view: &View,
+) -> Vec<PaperParticle> {
     let [right, up, back] = view.camera.basis();
     let p = &style.primitive;
-    let radius = p.size * unit(view);
+    let sizes = [p.size, style.ground.size].map(|s| s * unit(view));
     let random_turn = matches!(p.form, Form::Ellipse);
     let front = f64::from(view.depths[0]);
     let to_camera = |v: Vec3| {
         let v = v.as_dvec3();
         DVec3::new(v.dot(right), v.dot(up), v.dot(back))
     };
-    let record = |particle: &Particle| {
+    let record = |(number, particle): (usize, &Particle)| {
+        let radius = sizes[usize::from(number >= leaves)];
         let (pixel, depth) = view.pixel(particle.centre.as_dvec3());
         // From the outline's base (below) to the leaf's.
         let along = particle.axis.map(|a| to_camera(a).truncate());
@@ -124,7 +162,7 @@ pub fn records(particles: &[Particle], style: &PaperStyle, view: &View) -> Vec<P
             unused: 0.0,
         }
     };
-    particles.par_iter().map(record).collect()
+    particles.par_iter().enumerate().map(record).collect()
 }
 
 /// Factor on the size of a primitive `ratio` times as far away as the front (section 3.3):

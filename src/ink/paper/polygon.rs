@@ -76,8 +76,8 @@ fn tilted(flat: &[DVec2]) -> Vec<Vec<DVec2>> {
     let view = |n: usize| {
         let (a, b) = ((n % 3) as f64 - 1.0, (n / 3) as f64 - 1.0);
         let point = |p: &DVec2| {
-            let x = p.x * (1.0 - 0.6 * a.abs()) + 0.18 * a * (1.0 - p.y * p.y);
-            let y = p.y * (1.0 - 0.45 * b.abs()) + 0.15 * b * (1.0 - p.x * p.x);
+            let x = p.x * (1.0 - 0.6 * a.abs()) + 0.07 * a * (1.0 - p.y * p.y);
+            let y = p.y * (1.0 - 0.45 * b.abs()) + 0.12 * b * (1.0 - p.x * p.x);
             DVec2::new(x, y)
         };
         flat.iter().map(point).collect()
@@ -235,7 +235,7 @@ mod tests {
             (vec![[0.0, 0.5], [0.5, 0.5], [0.2, 0.5]], "no area"),
             (vec![[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]], "unit disc"),
             (
-                vec![[0.5, 0.5], [-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5]],
+                vec![[0.6, 0.5], [-0.5, -0.5], [0.5, -0.5], [-0.5, 0.7]],
                 "cross",
             ),
             (vec![[f64::NAN, 0.0], [0.0, 1.0], [1.0, 0.0]], "unit disc"),

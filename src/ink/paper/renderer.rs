@@ -6,13 +6,14 @@ use glam::DVec2;
 
 use super::particles::{Particle, records};
 use super::polygon::{self, POINTS};
-use super::style::{Form, PaperStyle};
+use super::style::{Form, PaperStyle, ShadowForm};
+use super::sun::SunMap;
 use crate::abi::{
     InkFrame, PaperBitmap, PaperDifference, PaperEllipse, PaperParticle, PaperPrimitive, PaperStem,
 };
 use crate::gpu::shaders::ink as shaders;
 use crate::gpu::{
-    Binding, Buffer, BufferInfo, ColorTarget, ComputePipeline, DepthTarget, Format, Gpu,
+    Binding, Buffer, BufferInfo, ColorTarget, ComputePipeline, DepthTarget, Draws, Format, Gpu,
     GraphicsPipeline, GraphicsPipelineInfo, Image, ImageInfo, PassTime, QueueKind, RenderPass,
     Sampler, SamplerInfo, Shader, Work,
 };
@@ -33,8 +34,10 @@ pub struct PaperScene<'a> {
     pub geometry: &'a Geometry,
     /// Index ranges of them.
     pub stems: &'a [std::ops::Range<u32>],
-    /// Foliage.
+    /// Foliage, then ground.
     pub particles: &'a [Particle],
+    /// How many of them are foliage.
+    pub leaves: usize,
 }
 
 /// Pictures of one view, row by row.
@@ -54,6 +57,10 @@ pub struct Maps {
     pub stem_difference: Vec<f32>,
     /// Normal of stems in the camera's frame, and light.
     pub stem_normal: Vec<[f32; 4]>,
+    /// How deep pixels lie in shadow, 0 to 1; empty where the style has none.
+    pub shadow: Vec<f32>,
+    /// How many of the particles are foliage; the others are ground.
+    pub leaves: usize,
     /// The particles as they were drawn.
     pub particles: Vec<PaperParticle>,
     /// Device times.
@@ -78,6 +85,7 @@ pub struct PaperRenderer {
     primitive: GraphicsPipeline,
     stem: GraphicsPipeline,
     difference: ComputePipeline,
+    sun: Option<SunMap>,
 }
 
 impl std::fmt::Debug for PaperRenderer {
@@ -177,6 +185,9 @@ impl PaperRenderer {
                 &[Format::R32Float, Format::Rgba16Float],
             )?,
             difference: gpu.compute_pipeline(shaders::DIFFERENCE_COMP)?,
+            sun: (style.shadow.form != ShadowForm::None)
+                .then(|| SunMap::new(gpu, size))
+                .transpose()?,
         })
     }
 
@@ -194,6 +205,10 @@ impl PaperRenderer {
             work.read_image("stem difference", &self.stems[2])?,
             work.read_image("stem normal", &self.stems[1])?,
         ];
+        let shadow = match &self.sun {
+            Some(sun) => Some(work.read_image("shadow", &sun.shadow)?),
+            None => None,
+        };
         let mut done = work.submit()?.wait()?;
         let passes = done.passes().to_vec();
         let [a, b, c, d, e, f] = reads.map(|r| done.take(r));
@@ -210,6 +225,8 @@ impl PaperRenderer {
                 .iter()
                 .map(|h| h.map(crate::math::packing::f16_to_f32))
                 .collect(),
+            shadow: shadow.map_or_else(Vec::new, |s| pod_collect_to_vec(&done.take(s))),
+            leaves: scene.leaves,
             particles,
             passes,
         })
@@ -227,7 +244,10 @@ impl PaperRenderer {
         factor: u32,
     ) -> Result<(Vec<u8>, Vec<PassTime>)> {
         let (mut work, _) = self.begin(scene, view)?;
-        let kernel = self.gpu.compute_pipeline(shaders::BITMAP_COMP)?;
+        let switches = [(0, u32::from(self.sun.is_some()))];
+        let kernel = self
+            .gpu
+            .compute_pipeline_with(shaders::BITMAP_COMP, &switches)?;
         let picture = self.gpu.image(ImageInfo::storage(
             "paper picture",
             Format::Rgba16Float,
@@ -241,9 +261,11 @@ impl PaperRenderer {
             sampled(&self.stems[0]),
             sampled(&self.stems[2]),
             Binding::Read(&self.particles),
+            // Never read where there is no shadow.
+            sampled(self.sun.as_ref().map_or(&self.stems[2], |s| &s.shadow)),
             Binding::StorageWrite(&picture),
         ];
-        let push = self.bitmap_push(factor);
+        let push = self.bitmap_push(factor, scene.leaves);
         work.compute(
             "paper bitmap",
             &kernel,
@@ -257,8 +279,10 @@ impl PaperRenderer {
         Ok((done.take(read), passes))
     }
 
-    fn bitmap_push(&self, factor: u32) -> PaperBitmap {
+    fn bitmap_push(&self, factor: u32, leaves: usize) -> PaperBitmap {
         let s = &self.style;
+        let detail = s.shadow.form == ShadowForm::Detail;
+        let black = matches!(s.shadow.form, ShadowForm::Black | ShadowForm::Hatch);
         // A line that nobody wants is one that no difference reaches.
         let threshold = |draw: bool, t: f64| if draw { t as f32 } else { f32::INFINITY };
         let half = |width: f64| (0.5 * width * s.sheet.resolution * f64::from(factor)) as f32;
@@ -272,35 +296,81 @@ impl PaperRenderer {
             foliage_width: half(s.foliage.pen.width),
             stem_width: half(s.stem.pen.width),
             lower: u32::from(s.primitive.lower),
+            leaves: leaves as u32,
+            detail: if detail { s.shadow.detail as f32 } else { 0.0 },
+            black: if black { s.shadow.black as f32 } else { 2.0 },
+            pressure: if detail {
+                s.shadow.pressure as f32
+            } else {
+                0.0
+            },
         }
     }
 
     fn begin(&self, scene: &PaperScene<'_>, view: &View) -> Result<(Work, Vec<PaperParticle>)> {
-        let particles = records(scene.particles, &self.style, view);
+        let particles = records(scene.particles, scene.leaves, &self.style, view);
         let mut work = self.gpu.work(QueueKind::Graphics, "paper")?;
         work.upload("paper frame", &self.frame, &[view.frame(AMBIENT, 0.0)])?;
         if !particles.is_empty() {
             work.upload("paper particles", &self.particles, &particles)?;
         }
-        self.draw_foliage(&mut work, particles.len() as u32)?;
-        self.draw_stems(&mut work, scene)?;
+        let eye = Eye {
+            name: ["paper foliage", "paper stems"],
+            frame: &self.frame,
+            foliage: &self.foliage,
+            stems: &self.stems,
+            depth: &self.depth,
+            extent: self.size,
+        };
+        self.draw_foliage(&mut work, &eye, particles.len() as u32)?;
+        self.draw_stems(&mut work, &eye, scene)?;
         let push = self.difference_push(view, 0.0);
         self.differences(&mut work, "foliage differences", &self.foliage, &push)?;
         let push = self.difference_push(view, self.style.stem.slope as f32);
         self.differences(&mut work, "stem differences", &self.stems, &push)?;
+        if let Some(sun) = &self.sun {
+            let (eye, frame) = sun.eye(scene.geometry, view);
+            work.upload("sun frame", &sun.frame, &[frame])?;
+            self.draw_foliage(&mut work, &eye, particles.len() as u32)?;
+            self.draw_stems(&mut work, &eye, scene)?;
+            self.sunlit(&mut work, sun, view)?;
+        }
         Ok((work, particles))
     }
 
-    fn draw_foliage(&self, work: &mut Work, count: u32) -> Result<()> {
-        let set = [
+    fn sunlit(&self, work: &mut Work, sun: &SunMap, view: &View) -> Result<()> {
+        let sampled = |image| Binding::Sampled(image, &self.plain);
+        let bindings = [
             Binding::Read(&self.frame),
+            Binding::Read(&sun.frame),
+            Binding::Read(&self.particles),
+            sampled(&self.foliage[0]),
+            sampled(&self.foliage[1]),
+            sampled(&self.stems[0]),
+            sampled(&sun.foliage[0]),
+            sampled(&sun.stems[0]),
+            Binding::StorageWrite(&sun.shadow),
+        ];
+        let push = sun.push(&self.style, self.size, view);
+        work.compute(
+            "paper shadow",
+            &sun.kernel,
+            &bindings,
+            &push,
+            [self.size[0], self.size[1], 1],
+        )
+    }
+
+    fn draw_foliage(&self, work: &mut Work, eye: &Eye<'_>, count: u32) -> Result<()> {
+        let set = [
+            Binding::Read(eye.frame),
             Binding::Read(&self.particles),
             Binding::Read(&self.outlines),
         ];
         let round = is_round(&self.style);
         let set = if round { &set[..2] } else { &set[..] };
         let p = &self.style.primitive;
-        self.pass(work, "paper foliage", &self.foliage, set, |draws| {
+        eye.pass(work, 0, set, |draws| {
             draws.pipeline(&self.primitive);
             draws.bind(0, set)?;
             if round {
@@ -319,15 +389,15 @@ impl PaperRenderer {
         })
     }
 
-    fn draw_stems(&self, work: &mut Work, scene: &PaperScene<'_>) -> Result<()> {
+    fn draw_stems(&self, work: &mut Work, eye: &Eye<'_>, scene: &PaperScene<'_>) -> Result<()> {
         let set = [
-            Binding::Read(&self.frame),
+            Binding::Read(eye.frame),
             Binding::Read(&self.positions),
             Binding::Read(&self.normals),
         ];
         let mut reads = set.to_vec();
         reads.push(Binding::Index(&self.indices));
-        self.pass(work, "paper stems", &self.stems, &reads, |draws| {
+        eye.pass(work, 1, &reads, |draws| {
             draws.pipeline(&self.stem);
             draws.bind(0, &set)?;
             draws.index_buffer(&self.indices);
@@ -337,33 +407,6 @@ impl PaperRenderer {
                 .iter()
                 .try_for_each(|range| draws.draw_indexed(range.clone(), 1))
         })
-    }
-
-    fn pass(
-        &self,
-        work: &mut Work,
-        name: &str,
-        targets: &[Image; 3],
-        reads: &[Binding<'_>],
-        record: impl FnOnce(&mut crate::gpu::Draws<'_>) -> Result<()>,
-    ) -> Result<()> {
-        let color = [&targets[0], &targets[1]].map(|image| ColorTarget {
-            image,
-            clear: Some([0.0; 4]),
-            resolve: None,
-            store: true,
-        });
-        let pass = RenderPass {
-            extent: self.size,
-            color: &color,
-            depth: Some(DepthTarget {
-                image: &self.depth,
-                clear: Some(0.0),
-                store: false,
-            }),
-            reads,
-        };
-        work.render(name, &pass, record)
     }
 
     fn difference_push(&self, view: &View, slope: f32) -> PaperDifference {
@@ -404,6 +447,45 @@ impl PaperRenderer {
     }
 }
 
+/// Where particles and stems are drawn from, and into what: depth, and number or normal.
+pub(super) struct Eye<'a> {
+    pub(super) name: [&'a str; 2],
+    pub(super) frame: &'a Buffer,
+    pub(super) foliage: &'a [Image],
+    pub(super) stems: &'a [Image],
+    pub(super) depth: &'a Image,
+    pub(super) extent: [u32; 2],
+}
+
+impl Eye<'_> {
+    fn pass(
+        &self,
+        work: &mut Work,
+        which: usize,
+        reads: &[Binding<'_>],
+        record: impl FnOnce(&mut Draws<'_>) -> Result<()>,
+    ) -> Result<()> {
+        let targets = [self.foliage, self.stems][which];
+        let color = [&targets[0], &targets[1]].map(|image| ColorTarget {
+            image,
+            clear: Some([0.0; 4]),
+            resolve: None,
+            store: true,
+        });
+        let pass = RenderPass {
+            extent: self.extent,
+            color: &color,
+            depth: Some(DepthTarget {
+                image: self.depth,
+                clear: Some(0.0),
+                store: false,
+            }),
+            reads,
+        };
+        work.render(self.name[which], &pass, record)
+    }
+}
+
 /// Outlines in the picture of every particle of `maps`, pixels.
 #[must_use]
 pub fn outlines(maps: &Maps, style: &PaperStyle, view: &View) -> Vec<Vec<DVec2>> {
@@ -411,7 +493,8 @@ pub fn outlines(maps: &Maps, style: &PaperStyle, view: &View) -> Vec<Vec<DVec2>>
     let Ok(views) = polygon::views(&style.primitive) else {
         return Vec::new();
     };
-    maps.particles
+    // Of the ground only the shadow is drawn.
+    maps.particles[..maps.leaves]
         .par_iter()
         .map(|p| super::particles::outline(p, &views, style.primitive.deformation, view))
         .collect()

@@ -37,6 +37,12 @@ pub struct PaperStyle {
     /// Lines of trunk and branches.
     #[serde(default)]
     pub stem: Stem,
+    /// The sun's shadow.
+    #[serde(default)]
+    pub shadow: Shadow,
+    /// Vegetation of the ground.
+    #[serde(default)]
+    pub ground: Ground,
     /// Paper and ink.
     #[serde(default)]
     pub sheet: Sheet,
@@ -206,6 +212,91 @@ impl Default for Stem {
     }
 }
 
+/// How the sun's shadow is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ShadowForm {
+    /// Not at all.
+    None,
+    /// As black areas.
+    Black,
+    /// As more detail and wider lines.
+    Detail,
+    /// As strokes.
+    Hatch,
+}
+
+/// The sun's shadow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Shadow {
+    /// How it is drawn.
+    pub form: ShadowForm,
+    /// Way behind what the sun sees first that is still lit, in the paper's unit, 0 to 10.
+    pub bias: f64,
+    /// Way from there to the deepest shadow, in the paper's unit, 0.001 to 10.
+    pub softness: f64,
+    /// Texels on each side over which shadows are averaged, 0 to 8.
+    pub reach: u32,
+    /// Shadow (0 to 1) from which areas are black.
+    pub black: f64,
+    /// Growth of the foliage's threshold in shadow, -1 (none is left) to 1.
+    pub detail: f64,
+    /// Growth of the lines' width in shadow, 0 to 10.
+    pub pressure: f64,
+    /// Darkness of the deepest shadow when it is hatched, 0 to 1.
+    pub hatching: f64,
+    /// Direction of its strokes, degrees from the right upwards, -180 to 180.
+    pub angle: f64,
+    /// Length of its strokes, millimetres, 0.2 to 50.
+    pub stroke: f64,
+    /// Pen of strokes, and of areas where a plotter fills them.
+    pub pen: Pen,
+}
+
+impl Default for Shadow {
+    fn default() -> Self {
+        Self {
+            form: ShadowForm::None,
+            bias: 0.6,
+            softness: 2.0,
+            reach: 2,
+            black: 0.6,
+            detail: -0.9,
+            pressure: 1.0,
+            hatching: 0.6,
+            angle: 50.0,
+            stroke: 4.0,
+            pen: Pen {
+                width: 0.25,
+                ..Pen::default()
+            },
+        }
+    }
+}
+
+/// Vegetation of the ground, of which only the shadow on it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Ground {
+    /// Particles; 0: no ground.
+    pub count: u32,
+    /// Their radius in the paper's unit, 0.001 to 10.
+    pub size: f64,
+    /// Radius of the ground in half widths of the plants, 0.1 to 20.
+    pub extent: f64,
+}
+
+impl Default for Ground {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            size: 0.2,
+            extent: 1.6,
+        }
+    }
+}
+
 /// Paper and ink.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -242,14 +333,23 @@ impl Default for Sheet {
 }
 
 /// Built-in styles: name and file.
-pub const PRESETS: [(&str, &str); 8] = [
+pub const PRESETS: [(&str, &str); 14] = [
     ("ds00-fig3a", include_str!("presets/ds00-fig3a.toml")),
     ("ds00-fig3b", include_str!("presets/ds00-fig3b.toml")),
     ("ds00-fig4a", include_str!("presets/ds00-fig4a.toml")),
+    ("ds00-fig4b", include_str!("presets/ds00-fig4b.toml")),
+    ("ds00-fig4c", include_str!("presets/ds00-fig4c.toml")),
+    ("ds00-fig5", include_str!("presets/ds00-fig5.toml")),
     ("ds00-fig6a", include_str!("presets/ds00-fig6a.toml")),
     ("ds00-fig6b", include_str!("presets/ds00-fig6b.toml")),
+    ("ds00-fig6c", include_str!("presets/ds00-fig6c.toml")),
     ("ds00-fig6d", include_str!("presets/ds00-fig6d.toml")),
     ("ds00-fig6e", include_str!("presets/ds00-fig6e.toml")),
+    ("ds00-fig6f", include_str!("presets/ds00-fig6f.toml")),
+    (
+        "lenient-sketch",
+        include_str!("presets/lenient-sketch.toml"),
+    ),
     ("plotter-a4", include_str!("presets/plotter-a4.toml")),
 ];
 
@@ -303,6 +403,7 @@ impl PaperStyle {
     /// # Errors
     /// The first that does not, with its range.
     pub fn check(&self) -> std::result::Result<(), String> {
+        let h = &self.shadow;
         let (p, d, f, s, sheet) = (
             &self.primitive,
             &self.depth,
@@ -326,6 +427,17 @@ impl PaperStyle {
             ("stem.white".into(), s.white, 0.0, 1.0),
             ("stem.crossing".into(), s.crossing, 0.0, 1.0),
             ("stem.stroke".into(), s.stroke, 0.2, 50.0),
+            ("shadow.bias".into(), h.bias, 0.0, 10.0),
+            ("shadow.softness".into(), h.softness, 0.001, 10.0),
+            ("shadow.reach".into(), f64::from(h.reach), 0.0, 8.0),
+            ("shadow.black".into(), h.black, 0.0, 1.0),
+            ("shadow.detail".into(), h.detail, -1.0, 1.0),
+            ("shadow.pressure".into(), h.pressure, 0.0, 10.0),
+            ("shadow.hatching".into(), h.hatching, 0.0, 1.0),
+            ("shadow.angle".into(), h.angle, -180.0, 180.0),
+            ("shadow.stroke".into(), h.stroke, 0.2, 50.0),
+            ("ground.size".into(), self.ground.size, 0.001, 10.0),
+            ("ground.extent".into(), self.ground.extent, 0.1, 20.0),
             ("sheet.paper".into(), sheet.paper[0], 10.0, 5000.0),
             ("sheet.paper".into(), sheet.paper[1], 10.0, 5000.0),
             ("sheet.margin".into(), sheet.margin, 0.0, 500.0),
@@ -336,6 +448,7 @@ impl PaperStyle {
             ("foliage.pen", &f.pen),
             ("stem.pen", &s.pen),
             ("stem.hatching_pen", &s.hatching_pen),
+            ("shadow.pen", &h.pen),
         ];
         for (name, pen) in pens {
             numbers.push((format!("{name}.width"), pen.width, 0.01, 20.0));
