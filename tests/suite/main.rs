@@ -51,6 +51,8 @@ mod light_transfer;
 mod model_fixture;
 mod models;
 mod models_damage;
+mod paper;
+mod paper_svg;
 mod place;
 mod properties;
 mod render_frame;

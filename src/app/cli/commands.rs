@@ -58,14 +58,15 @@ fn material_file(text: &str) -> Result<(String, PathBuf), String> {
 /// Arguments of `render`.
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
-    /// glTF, GLB or OBJ files, grow:SPECIES:SEED:LEAVES, or scene files (.toml); several make
+    /// glTF, GLB or OBJ files, grow:SPECIES:SEED:LEAVES, scene files (.toml), or a drawing of this
+    /// program (.svg), which is drawn again; several models make
     /// a sheet with one row each
     #[arg(value_name = "MODEL|SCENE", default_value = EMBEDDED)]
     pub inputs: Vec<Source>,
     /// Options of models.
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Picture to write (PNG, or JPEG by its extension)
+    /// Picture to write (PNG, or JPEG by its extension; a drawing on paper also as SVG)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// What is shown: textured (the finished picture), standard, ambient, direct, combined,
@@ -110,7 +111,9 @@ Examples:
   umbrage render oak.glb -o sheet.png --lighting prt,leaf,truth --light oak.light --difference
   umbrage render oak.glb -o lamp.png --lighting lvc --lamp disc:0,4,3/0,-0.6,-0.8/0.2/60,50,40
   umbrage render oak.glb -o oak.png --style silhouette-hatching
-  umbrage render oak.glb -o frame-%04d.png --style full --camera-path orbit:turns=1,frames=96";
+  umbrage render oak.glb -o frame-%04d.png --style full --camera-path orbit:turns=1,frames=96
+  umbrage render oak.glb -o oak.svg --style ds00-fig3a --paper a3
+  umbrage render oak.svg -o again.svg         draws it again";
 }
 
 /// Arguments of `bake`.

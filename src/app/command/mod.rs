@@ -13,6 +13,7 @@ pub mod ink;
 pub mod leaf;
 pub mod light;
 mod lit_sheet;
+mod redraw;
 pub mod render;
 pub mod render_ink;
 pub mod render_lit;

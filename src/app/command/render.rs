@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::redraw;
 use crate::app::animation::Animation;
 use crate::app::cli::RenderArgs;
 use crate::app::input::Source;
@@ -26,6 +27,12 @@ use crate::{Error, Result};
 /// # Errors
 /// Wrong input or settings, an unwritable output, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
+    if let [source] = args.inputs.as_slice()
+        && let Some(path) = redraw::drawing(source.files(&[]).next())
+    {
+        let (again, style) = redraw::read(path, args)?;
+        return super::render_paper::run(context, &again, style);
+    }
     if !args.lit.lighting.is_empty() {
         return super::render_lit::run(context, args);
     }

@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use super::redraw;
 use super::render::encode;
 use super::render_ink::reduced_pixels;
 use crate::app::cli::RenderArgs;
@@ -64,7 +65,7 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("svg"));
     let (bytes, report) = if vectors {
-        vector(context, args, &style, &subject, &settings, &mut timings)?
+        vector(context, &style, &subject, &settings, &mut timings)?
     } else {
         bitmap(context, args, style, &subject, &settings, &mut timings)?
     };
@@ -135,7 +136,9 @@ impl Subject {
             aspect: f64::from(size[0]) / f64::from(size[1]),
             margin: settings.margin,
         };
-        let points = geometry.positions.iter().copied();
+        // The ground is seen whole too.
+        let ground = self.particles[self.leaves..].iter().map(|p| p.centre);
+        let points = geometry.positions.iter().copied().chain(ground);
         let camera = Camera::new(&settings.camera, lens, geometry.origin, points);
         let to_sun = settings.sun.direction().as_vec3();
         View::new(camera, geometry.origin, size, to_sun, &geometry.positions)
@@ -147,7 +150,6 @@ type Written = (Vec<u8>, (String, serde_json::Value));
 
 fn vector(
     context: &Context,
-    args: &RenderArgs,
     style: &PaperStyle,
     subject: &Subject,
     settings: &RenderSettings,
@@ -163,7 +165,7 @@ fn vector(
     let maps = timings.measure("geometry and filter", || renderer.maps(&scene, &view))?;
     timings.add_passes(&maps.passes);
     let (mut found, order) = timings.measure("lines", || drawing(&maps, style, &view));
-    found.metadata = metadata(args, style, &view)?;
+    found.metadata = metadata(style, &view)?;
     let curves = FitSettings {
         tolerance: style.sheet.tolerance,
         corner: CORNER,
@@ -195,13 +197,14 @@ fn told(drawing: &Drawing, order: Order) -> (String, serde_json::Value) {
     (text, json)
 }
 
-/// What drew the file, for people and for drawing it again.
-fn metadata(args: &RenderArgs, style: &PaperStyle, view: &View) -> Result<String> {
+/// What drew the file, for people and for drawing it again: the command line without the output,
+/// and the style in full.
+fn metadata(style: &PaperStyle, view: &View) -> Result<String> {
     let style = toml::to_string(style).map_err(|e| Error::usage(format!("style: {e}")))?;
     let c = &view.camera;
     let json = json!({
         "program": "umbrage", "version": env!("CARGO_PKG_VERSION"),
-        "inputs": args.inputs.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "arguments": redraw::arguments(std::env::args()),
         "style": style,
         "camera": { "eye": c.eye.to_array(), "forward": c.forward.to_array(), "fov": c.fov },
         "sun": view.to_sun.to_array(),

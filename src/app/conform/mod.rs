@@ -19,6 +19,7 @@ mod light;
 mod lit;
 mod lit_shadow;
 mod matrix;
+mod paper;
 mod render;
 mod skylight;
 mod truth;
@@ -109,5 +110,6 @@ pub fn cases() -> Vec<Case> {
     cases.extend(ink::cases());
     cases.extend(ink_looks::cases());
     cases.extend(ink_places::cases());
+    cases.extend(paper::cases());
     cases
 }
