@@ -17,6 +17,7 @@ use crate::ink::paper::drawing::{Order, drawing};
 use crate::ink::paper::fit::FitSettings;
 use crate::ink::paper::particles::{Particle, ground, particles};
 use crate::ink::paper::renderer::{PaperRenderer, PaperScene};
+use crate::ink::paper::stems::thick_stems;
 use crate::ink::paper::style::PaperStyle;
 use crate::ink::paper::svg::Drawing;
 use crate::ink::view::View;
@@ -30,7 +31,7 @@ const CORNER: f64 = 1.2;
 /// What is drawn, ready for the device.
 struct Subject {
     prepared: Prepared,
-    stems: Vec<std::ops::Range<u32>>,
+    stems: Vec<u32>,
     particles: Vec<Particle>,
     leaves: usize,
 }
@@ -102,12 +103,14 @@ fn subject(prepared: Prepared, style: &PaperStyle, timings: &mut Timings) -> Res
         particles(&found, style.primitive.count, style.seed)
     })?;
     let parts = geometry.parts.iter().enumerate();
-    let stems = parts
-        .filter(|(i, p)| {
-            !split.foliage_parts.get(*i).copied().unwrap_or(false) && p.index_count > 0
-        })
-        .map(|(_, p)| p.index_range().start as u32..p.index_range().end as u32)
+    let wood: Vec<u32> = parts
+        .filter(|(i, _)| !split.foliage_parts.get(*i).copied().unwrap_or(false))
+        .flat_map(|(_, p)| &geometry.indices[p.index_range()])
+        .copied()
         .collect();
+    let stems = timings.measure("branches", || {
+        thick_stems(&geometry.positions, wood, style.stem.thinnest)
+    });
     let leaves = particles.len();
     let mut particles = particles;
     particles.extend(ground(&geometry.positions, &style.ground, style.seed));

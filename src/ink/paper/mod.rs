@@ -16,6 +16,7 @@ pub mod pen;
 pub mod polygon;
 pub mod region;
 pub mod renderer;
+pub mod stems;
 pub mod style;
 mod sun;
 pub mod svg;

@@ -32,8 +32,8 @@ const MOST_PARTICLES: usize = 1 << 24;
 pub struct PaperScene<'a> {
     /// Triangles of trunk and branches.
     pub geometry: &'a Geometry,
-    /// Index ranges of them.
-    pub stems: &'a [std::ops::Range<u32>],
+    /// Triangle list of them, indices into the geometry's vertices.
+    pub stems: &'a [u32],
     /// Foliage, then ground.
     pub particles: &'a [Particle],
     /// How many of them are foliage.
@@ -164,7 +164,7 @@ impl PaperRenderer {
             outlines: gpu.upload("paper outlines", &outlines)?,
             positions: gpu.upload("positions", &g.positions)?,
             normals: gpu.upload("normals", &g.normals)?,
-            indices: gpu.upload("indices", &g.indices)?,
+            indices: gpu.upload("stem indices", scene.stems)?,
             foliage: [
                 target("foliage depth", Format::R32Float)?,
                 target("foliage number", Format::R32Float)?,
@@ -402,10 +402,7 @@ impl PaperRenderer {
             draws.bind(0, &set)?;
             draws.index_buffer(&self.indices);
             draws.push(&PaperStem { ambient: AMBIENT })?;
-            scene
-                .stems
-                .iter()
-                .try_for_each(|range| draws.draw_indexed(range.clone(), 1))
+            draws.draw_indexed(0..scene.stems.len() as u32, 1)
         })
     }
 
