@@ -103,7 +103,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
             renderer.follow(track.at(frame, &view, |f| path.pose(f)));
             let drawing = renderer.draw(&scene, &view)?;
             timings.add_passes(&drawing.passes);
-            Ok(reduced(drawing.size, &drawing.pixels, factor))
+            Ok(reduced(&drawing, factor))
         })?;
         return Ok(frames_report(context, &files, settings.size, &timings));
     }

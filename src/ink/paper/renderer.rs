@@ -310,7 +310,7 @@ impl PaperRenderer {
     fn begin(&self, scene: &PaperScene<'_>, view: &View) -> Result<(Work, Vec<PaperParticle>)> {
         let particles = records(scene.particles, scene.leaves, &self.style, view);
         let mut work = self.gpu.work(QueueKind::Graphics, "paper")?;
-        work.upload("paper frame", &self.frame, &[view.frame(AMBIENT, 0.0)])?;
+        work.upload("paper frame", &self.frame, &[view.frame()])?;
         if !particles.is_empty() {
             work.upload("paper particles", &self.particles, &particles)?;
         }
