@@ -59,7 +59,7 @@ fn fill(a: &mut Style, b: &Style) {
         let strength = a.contour.strength;
         a.contour = Contour {
             strength,
-            ..b.contour.clone()
+            ..b.contour
         };
     }
     if a.silhouette.strength == 0.0 {
@@ -80,15 +80,12 @@ fn fill(a: &mut Style, b: &Style) {
         let strength = 0.0;
         a.edges = Edges {
             strength,
-            ..b.edges.clone()
+            ..b.edges
         };
     }
     if a.wash.strength == 0.0 {
         let strength = 0.0;
-        a.wash = Wash {
-            strength,
-            ..b.wash.clone()
-        };
+        a.wash = Wash { strength, ..b.wash };
     }
     let (g, other) = (&mut a.shading, &b.shading);
     if g.steps == 0.0 && other.steps > 0.0 {

@@ -34,7 +34,7 @@ impl Detail {
             wood: 0.0,
         };
         // Also for a leaf of no size.
-        if !(pixels < l.lod) {
+        if pixels >= l.lod || l.lod.is_nan() || pixels.is_nan() {
             return near;
         }
         let ratio = (pixels / l.lod).max(LEAST.sqrt());

@@ -354,7 +354,7 @@ fn shapes(
                 && cut.as_ref().is_none_or(|c| c.shows(leaf.texcoord_at(p)))
         };
         let shape = shapes.len() as u32;
-        shapes.push(Shape::new(&covers));
+        shapes.push(Shape::new(covers));
         let places = (0..SAMPLES * SAMPLES).map(|i| {
             let at = |k: usize| (2 * k + 1) as f32 / SAMPLES as f32 - 1.0;
             Vec2::new(at(i % SAMPLES), at(i / SAMPLES))

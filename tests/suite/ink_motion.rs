@@ -15,7 +15,7 @@ fn frames<'a>(way: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 #[test]
 fn a_frame_alone_is_that_of_the_sequence_bit_for_bit() {
     let way = "orbit:turns=0.2,frames=3,rise=20,roll=40";
-    for mode in ["replay"] {
+    for mode in ["replay", "stateless"] {
         let (all, one) = (Place::new(), Place::new());
         let report = all.json(&frames(way, &["--hatch-mode", mode]));
         assert_eq!(report["frames"].as_array().unwrap().len(), 3, "{report}");

@@ -123,9 +123,9 @@ fn what_the_device_draws_is_inside_the_outlines_that_vectors_follow() {
             }
             if !doubtful {
                 if best.1 == number {
-                    right += 1
+                    right += 1;
                 } else {
-                    wrong += 1
+                    wrong += 1;
                 }
             }
         }
@@ -243,9 +243,9 @@ fn a_change_of_the_shadow_changes_lines_only_there() {
         let (x, y) = ((i % width) as i64, (i / width) as i64);
         // Gaps and specks that the change closes reach a few pixels on.
         if (96..184).contains(&x) && (56..164).contains(&y) {
-            inside += 1
+            inside += 1;
         } else {
-            outside += 1
+            outside += 1;
         }
     }
     assert!(

@@ -38,7 +38,7 @@ pub struct InkArgs {
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     pub ink_supersample: u32,
     /// Paper of drawings, millimetres: a6 to a0, letter, tabloid (with -landscape: turned), or
-    /// WIDTHxHEIGHT
+    /// width x height
     #[arg(long, value_name = "SIZE", value_parser = paper_size, requires = "style")]
     pub paper: Option<[f64; 2]>,
     /// How vectors are written: centre lines in a plotter's order, filled outlines for print, or a

@@ -57,7 +57,7 @@ pub fn strokes(
         for k in 0..w {
             let x = if forth { k } else { w - 1 - k };
             let darkness = tone.darkness[y * w + x];
-            if !(darkness >= 0.0) {
+            if darkness < 0.0 || darkness.is_nan() {
                 continue;
             }
             let mut error = f64::from(darkness.min(1.0)) + rest[0][x + 1];
@@ -98,7 +98,7 @@ impl Field<'_> {
     /// The stroke as far as it stays where drawing is allowed.
     fn clipped(&self, middle: DVec2, half: DVec2) -> Option<ShortStroke> {
         let length = half.length();
-        if !(length > 0.0) {
+        if length <= 0.0 || length.is_nan() {
             return None;
         }
         let end = |way: DVec2| {

@@ -87,7 +87,11 @@ pub fn sorted(lines: Vec<Polyline>, start: DVec2) -> Vec<Polyline> {
     let ends = |lines: &[Polyline], n: u32| {
         let line = &lines[n as usize / 2];
         let last = line.points.len() - 1;
-        line.points[if n % 2 == 0 || line.closed { 0 } else { last }]
+        line.points[if n.is_multiple_of(2) || line.closed {
+            0
+        } else {
+            last
+        }]
     };
     let mut grid = Grid::new(cell_for(&lines));
     for n in 0..2 * lines.len() as u32 {

@@ -186,7 +186,7 @@ pub fn outline(
     view: &View,
 ) -> Vec<DVec2> {
     let (middle, depth) = view.pixel(Vec3::from(record.centre).as_dvec3());
-    if !(depth > view.camera.near) {
+    if depth <= view.camera.near || depth.is_nan() {
         return Vec::new();
     }
     let pixels = f64::from(record.radius) * view.focal() / depth;

@@ -110,7 +110,7 @@ impl Pen {
         let waves = if closed { waves.round() } else { waves };
         let total = whole.length().max(f64::MIN_POSITIVE);
         let mut along = 0.0;
-        for i in 0..count {
+        for (i, point) in points.iter_mut().enumerate() {
             if i > 0 {
                 along += whole.points[i].distance(whole.points[i - 1]);
             }
@@ -128,7 +128,7 @@ impl Pen {
             let side = (b - a).perp().normalize_or_zero();
             let at = waves * along / total;
             let period = closed.then_some(waves as u32);
-            points[i] += side * self.tremor * noise(at, period, seed);
+            *point += side * self.tremor * noise(at, period, seed);
         }
     }
 }

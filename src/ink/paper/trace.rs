@@ -190,9 +190,9 @@ fn goes(marks: &Marks<'_>, at: usize, second: bool) -> bool {
     let rises = (0..8).filter(|&k| !ring[k] && ring[(k + 1) % 8]).count();
     let [up, right, down, left] = [ring[0], ring[2], ring[4], ring[6]];
     let open = if second {
-        !(up && right && left) && !(up && down && left)
+        !(up && left && (right || down))
     } else {
-        !(up && right && down) && !(right && down && left)
+        !(right && down && (up || left))
     };
     (2..=6).contains(&count) && rises == 1 && open
 }

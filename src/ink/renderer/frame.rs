@@ -151,10 +151,7 @@ impl InkRenderer {
             [one] if self.plan == MixPlan::new(&mix) && same(&one.style) => {
                 one.style = style.clone();
                 self.styles = Styles::new(&self.gpu, scene, &mix, view, self.factor)?;
-                self.light = match self.light.take() {
-                    Some(light) => Some(light.filtered(style)),
-                    None => None,
-                };
+                self.light = self.light.take().map(|light| light.filtered(style));
             }
             _ => *self = Self::new(&self.gpu.clone(), scene, &mix, view, self.factor)?,
         }
