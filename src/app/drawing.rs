@@ -27,7 +27,11 @@ pub fn plant(
     mix: &Mix,
     timings: &mut Timings,
 ) -> Result<Plant> {
-    let split = prepared.split()?;
+    let split = if mix.styles[0].bodies.smooth {
+        prepared.split_with_or_without()?
+    } else {
+        prepared.split()?
+    };
     let (model, geometry) = (&prepared.input.model, &prepared.geometry);
     let mut plant = timings.measure("leaves and clusters", || {
         let indices = &split.foliage_indices;

@@ -210,6 +210,7 @@ mod tests {
         style.hatching.strength = 0.0;
         style.shading.colour = 0.0;
         style.shading.strength = 0.0;
+        style.contour.detail = 0.0;
         let lines = InkPlan::new(&style);
         assert_eq!(lines.attributes(), [Attribute::Depth, Attribute::Ids]);
         assert!(!lines.crown, "lines need no bake");

@@ -236,7 +236,12 @@ mod tests {
         }
         assert_eq!(gap(6000.0, 6.0, 1.0, 11.0), None);
         // Outlines against a background at the far end vanish beyond these depths.
-        for (threshold, last) in [(100.0, 10.83), (1000.0, 8.43), (6000.0, 5.74)] {
+        for (threshold, last) in [
+            (100.0, 10.83),
+            (1000.0, 9.54),
+            (2000.0, 8.43),
+            (6000.0, 5.74),
+        ] {
             assert!(
                 gap(threshold, last - 0.01, 1.0, 11.0).is_some_and(|g| last - 0.01 + g <= 11.0)
             );

@@ -112,7 +112,11 @@ fn draw(
     timings: &mut Timings,
 ) -> Result<Picture> {
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
-    let split = prepared.split()?;
+    let split = if style.bodies.smooth {
+        prepared.split_with_or_without()?
+    } else {
+        prepared.split()?
+    };
     let (model, geometry) = (&prepared.input.model, &prepared.geometry);
     let plant = timings.measure("leaves and clusters", || {
         let indices = &split.foliage_indices;

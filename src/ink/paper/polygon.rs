@@ -70,15 +70,15 @@ fn lobed() -> Vec<DVec2> {
     (0..POINTS).map(at).collect()
 }
 
-/// Nine views of a flat outline: narrowed by the tilt to a side, shortened and bent by the tilt up
+/// Nine views of a flat outline: narrowed and leaning by the tilt to a side, shortened by the tilt up
 /// and down, as one draws leaves that turn away.
 fn tilted(flat: &[DVec2]) -> Vec<Vec<DVec2>> {
     let view = |n: usize| {
         let (a, b) = ((n % 3) as f64 - 1.0, (n / 3) as f64 - 1.0);
         let point = |p: &DVec2| {
-            let x = p.x * (1.0 - 0.6 * a.abs()) + 0.07 * a * (1.0 - p.y * p.y);
-            let y = p.y * (1.0 - 0.45 * b.abs()) + 0.12 * b * (1.0 - p.x * p.x);
-            DVec2::new(x, y)
+            // Linear, so that what is seen whole from the middle stays so.
+            let x = p.x * (1.0 - 0.6 * a.abs()) + 0.18 * a * p.y;
+            DVec2::new(x, p.y * (1.0 - 0.45 * b.abs()) - 0.1 * a * b * p.x)
         };
         flat.iter().map(point).collect()
     };
