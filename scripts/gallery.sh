@@ -34,7 +34,7 @@ variant() {
 for style in van-gogh pointillist; do
     "$umbrage" render "$models/oak_medium_dense.glb" --style $style --size 400x460 -o "$out/ink-$style.png"
 done
-"$umbrage" render "$models/oak_medium.glb" --style minimal --size 400x460 -o "$out/ink-minimal.png"
+"$umbrage" render "$models/oak_medium.glb" --style minimal --size 400x460 --margin 0.16 -o "$out/ink-minimal.png"
 "$umbrage" render "$models/oak_medium.glb" --style mixed --size 560x560 -o "$out/ink-mixed.png"
 "$umbrage" render "$models/oak_medium.glb" --style silhouette-hatching --size 560x560 -o "$out/ink-hatching.png"
 # figure 4: leaves moved towards their clusters' spheres by 0, 0.5, 1
@@ -43,10 +43,10 @@ variant beta1 silhouette-hatching leaves.displacement=1.0
 "$umbrage" render "$models/oak_medium.glb" --style "$work/beta0.toml" --toward "$work/beta1.toml" \
     --share 0,0.5,1 --size 360x400 -o "$out/gallery-beta.png"
 # figure 6: thresholds of alpha from the leaf to the disc
-variant leaf outline leaves.shape=0.7 leaves.facing=0.8 leaves.size=1.1 leaves.kept=0.25
-variant disc outline leaves.shape=0.25 leaves.facing=0.8 leaves.size=1.1 leaves.kept=0.25
-"$umbrage" render "$models/ash_large.glb" --style "$work/leaf.toml" --toward "$work/disc.toml" \
-    --share 0,0.33,0.67,1 --camera 10,5,0.35 --size 300x300 -o "$out/gallery-alpha.png"
+variant leaf outline leaves.shape=0.7 leaves.facing=0.8 leaves.size=1.3 leaves.kept=0.3
+variant disc outline leaves.shape=0.25 leaves.facing=0.8 leaves.size=1.3 leaves.kept=0.3
+"$umbrage" render "$models/oak_medium.glb" --style "$work/leaf.toml" --toward "$work/disc.toml" \
+    --share 0,0.33,0.67,1 --camera 10,5,0.6 --size 300x340 -o "$out/gallery-alpha.png"
 # figures 7 and 9: strokes even, packed towards the limb, and in three steps
 variant even silhouette-hatching hatching.packing=0.0 leaves.displacement=1.0
 variant packed silhouette-hatching hatching.packing=0.5708 leaves.displacement=1.0
@@ -60,9 +60,17 @@ done
 # Luft, Balzer, Deussen 2007, figure 7: an edge filter on original and on realigned normals
 "$umbrage" render "$models/oak_medium.glb" --style normal-edges-original --toward normal-edges \
     --share 0,1 --size 310x360 -o "$out/ink-edges.png"
-# Deussen, Strothotte 2000: pixels at once
+# Deussen, Strothotte 2000: pixels at once, and vectors
 for style in ds00-fig3a ds00-fig3b ds00-fig4a ds00-fig4b ds00-fig4c ds00-fig5 ds00-fig6a ds00-fig6b ds00-fig6c ds00-fig6d \
-    ds00-fig6e lenient-sketch; do
-    "$umbrage" render "$models/oak_medium.glb" --style "$style" --size 360x400 -o "$out/paper-$style.png"
+    ds00-fig6e ds00-fig6f lenient-sketch plotter-a4; do
+    model=oak_medium
+    if [ $style = ds00-fig6f ]; then model=oak_medium_dense; fi
+    "$umbrage" render "$models/$model.glb" --style "$style" --size 546x819 -o "$work/$style.png"
+    "$umbrage" render "$models/$model.glb" --style "$style" -o "$work/$style.svg"
 done
-"$umbrage" render "$models/oak_medium_dense.glb" --style ds00-fig6f --size 360x400 -o "$out/paper-ds00-fig6f.png"
+# Side by side: whatever rasterises SVG and lays pictures out, here resvg and Pillow.
+if ${PYTHON:-python3} -c 'import PIL, resvg_py' 2>/dev/null; then
+    ${PYTHON:-python3} scripts/gallery-sheet.py "$work" "$out"
+else
+    echo "no resvg-py and Pillow: the sheets of drawings on paper stay as they are" >&2
+fi

@@ -249,7 +249,7 @@ fn a_change_of_the_shadow_changes_lines_only_there() {
         }
     }
     assert!(
-        inside > 100 && outside == 0,
+        inside > 30 && outside == 0,
         "{inside} inside, {outside} outside"
     );
 }

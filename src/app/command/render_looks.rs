@@ -16,6 +16,7 @@ use crate::foliage::{Bake, Leaves, Primitive};
 use crate::ink::blend;
 use crate::ink::leaves::LeafTriangles;
 use crate::ink::mix::Mix;
+use crate::ink::mix::short;
 use crate::ink::plan::InkPlan;
 use crate::ink::plant::{CrownLight, Plant};
 use crate::ink::renderer::{InkRenderer, InkScene};
@@ -96,8 +97,8 @@ fn styles(args: &InkArgs, named: &str) -> Result<Vec<(String, Style)>> {
         let style = blend::between(&from, &to, share)
             .map_err(|e| Error::usage(format!("--toward {toward}: {e}")))?;
         let label = match share {
-            0.0 => named.to_owned(),
-            1.0 => toward.clone(),
+            0.0 => short(named),
+            1.0 => short(toward),
             _ => format!("{share}"),
         };
         Ok((label, style))

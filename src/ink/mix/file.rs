@@ -75,7 +75,8 @@ impl Mix {
                     .map_err(|e| Error::usage(format!("style `{name}`: {e}")));
             }
             if !PRESETS.iter().any(|p| p.0 == name) {
-                let names: Vec<&str> = Self::presets().collect();
+                let papers = crate::ink::paper::style::PRESETS.iter().map(|p| p.0);
+                let names: Vec<&str> = Self::presets().chain(papers).collect();
                 return Err(Error::usage(format!(
                     "style `{name}`: expected {} or a file (.toml)",
                     names.join(", ")
@@ -139,7 +140,9 @@ impl Mix {
 }
 
 /// What passes and messages call a style: of a file, its stem.
-fn short(name: &str) -> String {
+/// A style's name on labels: a file's without its folder and ending.
+#[must_use]
+pub fn short(name: &str) -> String {
     let stem = Path::new(name).file_stem().unwrap_or_default();
     match name.to_ascii_lowercase().ends_with(".toml") {
         true => stem.to_string_lossy().into_owned(),
