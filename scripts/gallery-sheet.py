@@ -28,7 +28,7 @@ def sheet(pictures, columns, file):
     for k, picture in enumerate(pictures):
         picture = picture.resize(size, Image.LANCZOS)
         page.paste(picture, (k % columns * size[0], k // columns * size[1]))
-    page.quantize(16).save(f"{out}/{file}", optimize=True)
+    page.point(lambda v: round(v / 17) * 17).save(f"{out}/{file}", optimize=True)
 
 
 figures = ["3a", "3b", "4a", "4b", "4c", "5", "6a", "6b", "6c", "6d", "6e", "6f"]
