@@ -185,6 +185,10 @@ fn wrong_papers_styles_and_models_are_refused() {
     ask(&["--style", "ds00-fig3a", "--paper", "15x15"], &["margin"]);
     ask(&["--style", "ds00-fig9"], &["ds00-fig9", "ds00-fig3a"]);
     ask(
+        &["--style", "ds00-fig3a", "--camera-path", "orbit"],
+        &["--camera-path", "paper"],
+    );
+    ask(
         &["--style", "ds00-fig3a", "--profile", "laser"],
         &["laser", "plotter"],
     );

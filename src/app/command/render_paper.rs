@@ -41,6 +41,11 @@ struct Subject {
 /// # Errors
 /// Wrong input, style or settings, a model without leaves, a failing device.
 pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Result<Report> {
+    if args.motion.camera_path.is_some() {
+        return Err(Error::usage(
+            "--camera-path: styles on paper draw one picture; give a --camera",
+        ));
+    }
     args.ink.change(&mut style)?;
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &["svg", "png", "jpg", "jpeg"])?;
