@@ -78,7 +78,8 @@ fn tilted(flat: &[DVec2]) -> Vec<Vec<DVec2>> {
         let point = |p: &DVec2| {
             // Linear, so that what is seen whole from the middle stays so.
             let x = p.x * (1.0 - 0.6 * a.abs()) + 0.18 * a * p.y;
-            DVec2::new(x, p.y * (1.0 - 0.45 * b.abs()) - 0.1 * a * b * p.x)
+            // Leaning outlines stay within the disc.
+            0.95 * DVec2::new(x, p.y * (1.0 - 0.45 * b.abs()) - 0.1 * a * b * p.x)
         };
         flat.iter().map(point).collect()
     };
