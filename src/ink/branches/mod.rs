@@ -1,8 +1,8 @@
 //! Object-space coordinates along and round branches, from nothing but their surface (Coconu,
 //! Deussen, Hege 2006, section 7, hatch trunks in object space and do not say by what).
 //!
-//! Axes come from the normals of pieces of the surface as large as needed ([`axes`]); signs,
-//! frames and lengths go along the surface so that nothing leaps on a branch ([`along`]).
+//! Axes come from the normals of pieces of the surface as large as needed (`axes`); signs,
+//! frames and lengths go along the surface so that nothing leaps on a branch (`along`).
 
 mod along;
 mod axes;
