@@ -188,7 +188,7 @@ pub fn without_repeats(lines: &[Polyline], gap: f64) -> Vec<Polyline> {
         cells: HashMap::new(),
     };
     let mut out = Vec::new();
-    for (number, line) in (0_u32..).zip(lines) {
+    for line in lines {
         let points = resampled(line, 0.5 * gap);
         if points.len() < 2 {
             out.push(line.clone());
@@ -200,7 +200,7 @@ pub fn without_repeats(lines: &[Polyline], gap: f64) -> Vec<Polyline> {
         } else {
             out.push(line.clone());
         }
-        drawn.add(&points, number);
+        drawn.add(&points);
     }
     out
 }
@@ -228,7 +228,7 @@ impl Drawn {
         (p / self.gap).floor().as_ivec2()
     }
 
-    fn add(&mut self, points: &[DVec2], _line: u32) {
+    fn add(&mut self, points: &[DVec2]) {
         for (i, &p) in points.iter().enumerate() {
             let key = self.key(p);
             let way = direction(points, i);

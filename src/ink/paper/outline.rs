@@ -96,11 +96,7 @@ fn without_runs(mut flags: Vec<bool>, value: bool, least: usize) -> Vec<bool> {
             .find(|&i| flags[i] != flags[at])
             .unwrap_or(count);
         if flags[at] == value && end - at < least {
-            let flag = flags[at];
-            flags[at..end].fill(!flag);
-            // The turned run is now one with its neighbours: both ends moved on.
-            at = end;
-            continue;
+            flags[at..end].fill(!value);
         }
         at = end;
     }
