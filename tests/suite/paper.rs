@@ -14,7 +14,7 @@ use umbrage::scene::{Camera, Geometry};
 
 use crate::fixture;
 
-const SIZE: [u32; 2] = [320, 240];
+pub(crate) const SIZE: [u32; 2] = [320, 240];
 
 fn style(more: &str) -> PaperStyle {
     let text = format!("format_version = 1\nkind = \"paper\"\ndescription = \"x\"\n{more}");
@@ -31,7 +31,7 @@ fn particle(at: Vec3, seed: u32) -> Particle {
 }
 
 /// A camera at the origin that looks towards -z; depths from 1 to 11.
-fn view() -> View {
+pub(crate) fn view() -> View {
     let camera = Camera {
         eye: DVec3::ZERO,
         forward: DVec3::NEG_Z,
@@ -44,8 +44,9 @@ fn view() -> View {
     View::new(camera, DVec3::ZERO, SIZE, Vec3::Y, &ends)
 }
 
-fn maps(particles: &[Particle], style: &PaperStyle) -> Maps {
-    let geometry = Geometry {
+/// A thing of no size whose bounds are those of the depths.
+pub(crate) fn backdrop() -> Geometry {
+    Geometry {
         positions: vec![
             Vec3::new(-5.0, -5.0, -11.0),
             Vec3::new(5.0, 5.0, -1.0),
@@ -56,7 +57,11 @@ fn maps(particles: &[Particle], style: &PaperStyle) -> Maps {
         min: Vec3::new(-5.0, -5.0, -11.0),
         max: Vec3::new(5.0, 5.0, -1.0),
         ..Geometry::default()
-    };
+    }
+}
+
+fn maps(particles: &[Particle], style: &PaperStyle) -> Maps {
+    let geometry = backdrop();
     let scene = PaperScene {
         geometry: &geometry,
         stems: &[],
@@ -69,7 +74,7 @@ fn maps(particles: &[Particle], style: &PaperStyle) -> Maps {
 }
 
 /// Discs scattered over the picture.
-fn scattered(count: u32) -> Vec<Particle> {
+pub(crate) fn scattered(count: u32) -> Vec<Particle> {
     let one = |i: u32| {
         let depth = 2.0 + 8.0 * uniform(3, 3 * i);
         let x = depth * 0.6 * (2.0 * uniform(3, 3 * i + 1) - 1.0);

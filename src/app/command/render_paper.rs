@@ -15,12 +15,14 @@ use crate::foliage::{Leaves, Primitive};
 use crate::ink::leaves::{LeafTriangles, leaves};
 use crate::ink::paper::drawing::{Order, drawing};
 use crate::ink::paper::fit::FitSettings;
+use crate::ink::paper::laid::{lay, strokes_of};
 use crate::ink::paper::particles::{Particle, ground, particles};
-use crate::ink::paper::renderer::{PaperRenderer, PaperScene};
+use crate::ink::paper::renderer::{Bitmap, PaperRenderer, PaperScene};
 use crate::ink::paper::stems::thick_stems;
 use crate::ink::paper::style::PaperStyle;
 use crate::ink::paper::svg::Drawing;
 use crate::ink::view::View;
+use crate::math::colour::srgb_to_linear;
 use crate::render::RenderSettings;
 use crate::scene::{Camera, Lens};
 use crate::{Error, Result};
@@ -238,8 +240,20 @@ fn bitmap(
     let renderer = timings.measure("upload", || {
         PaperRenderer::new(context.gpu()?, &scene, &style, size)
     })?;
-    let (pixels, passes) = renderer.bitmap(&scene, &view, factor)?;
+    let Bitmap {
+        mut pixels,
+        maps,
+        passes,
+    } = renderer.bitmap(&scene, &view, factor)?;
     timings.add_passes(&passes);
+    if let Some(maps) = maps {
+        timings.measure("strokes", || {
+            let scale = 1.0 / (style.sheet.resolution * f64::from(factor));
+            let strokes = strokes_of(&maps, &style, scale);
+            let ink = style.sheet.ink.map(srgb_to_linear);
+            lay(&mut pixels, maps.size, &strokes, ink);
+        });
+    }
     let picture = timings.measure("reduce", || reduced_pixels(size, &pixels, factor));
     let said = format!("{}x{}", picture.width, picture.height);
     let json = json!({ "width": picture.width, "height": picture.height });

@@ -139,13 +139,13 @@ pub fn drawing(maps: &Maps, style: &PaperStyle, view: &View) -> (Drawing, Order)
 }
 
 /// What is seen of foliage and stems when the nearer hides the other.
-struct Visible {
-    foliage: Vec<bool>,
+pub(super) struct Visible {
+    pub(super) foliage: Vec<bool>,
     stems: Vec<bool>,
 }
 
 impl Visible {
-    fn new(maps: &Maps) -> Self {
+    pub(super) fn new(maps: &Maps) -> Self {
         let both = maps.foliage_depth.iter().zip(&maps.stem_depth);
         let (foliage, stems) = both
             .map(|(&f, &s)| {
@@ -212,13 +212,13 @@ fn foliage_contour(
 }
 
 /// The sun's shadow as it is drawn.
-struct Shade<'a> {
+pub(super) struct Shade<'a> {
     maps: &'a Maps,
     style: &'a PaperStyle,
 }
 
 impl<'a> Shade<'a> {
-    fn new(maps: &'a Maps, style: &'a PaperStyle) -> Self {
+    pub(super) fn new(maps: &'a Maps, style: &'a PaperStyle) -> Self {
         Self { maps, style }
     }
 
@@ -283,7 +283,7 @@ impl<'a> Shade<'a> {
     }
 
     /// Strokes for the shadow on foliage and ground.
-    fn hatching(&self, foliage: &[bool], placement: &Placement) -> Vec<Stroke> {
+    pub(super) fn hatching(&self, foliage: &[bool], placement: &Placement) -> Vec<Stroke> {
         let s = &self.style.shadow;
         let darkness: Vec<f32> = foliage
             .iter()
@@ -354,7 +354,7 @@ fn stem_contour(
         .collect()
 }
 
-fn stem_hatching(
+pub(super) fn stem_hatching(
     maps: &Maps,
     visible: &Visible,
     style: &PaperStyle,

@@ -3,12 +3,13 @@
 //! Reading order: [`style`] says what is drawn, [`particles`] and [`polygon`] make primitives of
 //! leaves, [`renderer`] draws depth and numbers, [`drawing`] finds lines in them ([`outline`],
 //! [`trace`], [`diffusion`]), [`pen`] draws them, [`order`] sorts them, [`fit`] makes curves,
-//! [`svg`] writes them.
+//! [`svg`] writes them; [`laid`] puts strokes on bitmaps.
 
 pub mod curve;
 pub mod diffusion;
 pub mod drawing;
 pub mod fit;
+pub mod laid;
 pub mod order;
 pub mod outline;
 pub mod particles;
@@ -20,4 +21,5 @@ pub mod stems;
 pub mod style;
 mod sun;
 pub mod svg;
+mod tones;
 pub mod trace;

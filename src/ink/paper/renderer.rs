@@ -4,10 +4,12 @@
 use bytemuck::pod_collect_to_vec;
 use glam::DVec2;
 
+use super::laid::has_strokes;
 use super::particles::{Particle, records};
 use super::polygon::{self, POINTS};
 use super::style::{Form, PaperStyle, ShadowForm};
 use super::sun::SunMap;
+use super::tones::Tones;
 use crate::abi::{
     InkFrame, PaperBitmap, PaperDifference, PaperEllipse, PaperParticle, PaperPrimitive, PaperStem,
 };
@@ -63,6 +65,17 @@ pub struct Maps {
     pub leaves: usize,
     /// The particles as they were drawn.
     pub particles: Vec<PaperParticle>,
+    /// Device times.
+    pub passes: Vec<PassTime>,
+}
+
+/// A picture of one view.
+#[derive(Debug, Clone, Default)]
+pub struct Bitmap {
+    /// RGBA, 16-bit floats, linear, row by row.
+    pub pixels: Vec<u8>,
+    /// Depths, normals of stems and shadow, where the style has strokes.
+    pub maps: Option<Maps>,
     /// Device times.
     pub passes: Vec<PassTime>,
 }
@@ -232,17 +245,12 @@ impl PaperRenderer {
         })
     }
 
-    /// The drawing as pixels (RGBA, 16-bit floats, linear), `factor` of them for one of the
-    /// picture, with the times of its passes.
+    /// The drawing as pixels, `factor` of them for one of the picture. Strokes that the style has on
+    /// stems and in shadow are not among them: [`Bitmap::maps`] has what `laid` finds them by.
     ///
     /// # Errors
     /// Memory runs out or the device is lost.
-    pub fn bitmap(
-        &self,
-        scene: &PaperScene<'_>,
-        view: &View,
-        factor: u32,
-    ) -> Result<(Vec<u8>, Vec<PassTime>)> {
+    pub fn bitmap(&self, scene: &PaperScene<'_>, view: &View, factor: u32) -> Result<Bitmap> {
         let (mut work, _) = self.begin(scene, view)?;
         let switches = [(0, u32::from(self.sun.is_some()))];
         let kernel = self
@@ -274,15 +282,24 @@ impl PaperRenderer {
             [self.size[0], self.size[1], 1],
         )?;
         let read = work.read_image("paper picture", &picture)?;
+        let tones = if has_strokes(&self.style) {
+            let shadow = self.sun.as_ref().map(|s| &s.shadow);
+            Some(Tones::read(&mut work, &self.foliage, &self.stems, shadow)?)
+        } else {
+            None
+        };
         let mut done = work.submit()?.wait()?;
-        let passes = done.passes().to_vec();
-        Ok((done.take(read), passes))
+        Ok(Bitmap {
+            passes: done.passes().to_vec(),
+            pixels: done.take(read),
+            maps: tones.map(|t| t.maps(&mut done, self.size, scene.leaves)),
+        })
     }
 
     fn bitmap_push(&self, factor: u32, leaves: usize) -> PaperBitmap {
         let s = &self.style;
         let detail = s.shadow.form == ShadowForm::Detail;
-        let black = matches!(s.shadow.form, ShadowForm::Black | ShadowForm::Hatch);
+        let black = s.shadow.form == ShadowForm::Black;
         // A line that nobody wants is one that no difference reaches.
         let threshold = |draw: bool, t: f64| if draw { t as f32 } else { f32::INFINITY };
         let half = |width: f64| (0.5 * width * s.sheet.resolution * f64::from(factor)) as f32;
