@@ -13,30 +13,33 @@ layout(set = 0, binding = 3) uniform sampler2D stem_depth;
 layout(set = 0, binding = 4) uniform sampler2D stem_difference;
 layout(set = 0, binding = 5, scalar) restrict readonly buffer Particles { PaperParticle particles[]; };
 layout(set = 0, binding = 6) uniform sampler2D shadow_map;
-layout(set = 0, binding = 7, rgba16f) uniform restrict writeonly image2D picture;
+layout(set = 0, binding = 7) uniform sampler2D factor_map;
+layout(set = 0, binding = 8, rgba16f) uniform restrict writeonly image2D picture;
 layout(push_constant, scalar) uniform Push { PaperBitmap push; };
 
 layout(constant_id = 0) const bool SHADOW = false;
+layout(constant_id = 1) const bool MODULATED = false;
 
 // Half width of the line in a pixel; 0: none.
 float line_at(ivec2 at) {
     float foliage = texelFetch(foliage_depth, at, 0).r;
     float stem = texelFetch(stem_depth, at, 0).r;
     float shade = SHADOW ? texelFetch(shadow_map, at, 0).r : 0.0;
+    vec2 factor = MODULATED ? texelFetch(factor_map, at, 0).rg : vec2(1.0);
     float width = 0.0;
     if (foliage > 0.0 && (stem <= 0.0 || foliage <= stem)) {
         uint number = uint(texelFetch(foliage_number, at, 0).r);
-        float threshold = push.foliage * (1.0 + push.detail * shade);
+        float threshold = push.foliage * (1.0 + push.detail * shade) * factor.x;
         bool line = number <= push.leaves && texelFetch(foliage_difference, at, 0).r > threshold;
         if (line && push.lower != 0u) {
             line = float(at.y) + 0.5 >= particles[number - 1u].row;
         }
         width = line ? push.foliage_width : 0.0;
     } else {
-        bool line = stem > 0.0 && texelFetch(stem_difference, at, 0).r > push.stem;
+        bool line = stem > 0.0 && texelFetch(stem_difference, at, 0).r > push.stem * factor.x;
         width = line ? push.stem_width : 0.0;
     }
-    return width * (1.0 + push.pressure * shade);
+    return width * (1.0 + push.pressure * shade) * factor.y;
 }
 
 void main() {
@@ -44,7 +47,7 @@ void main() {
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
         return;
     }
-    float widest = max(push.foliage_width, push.stem_width) * (1.0 + push.pressure);
+    float widest = max(push.foliage_width, push.stem_width) * (1.0 + push.pressure) * push.widest;
     int reach = min(int(ceil(widest)), PAPER_WIDEN);
     ivec2 last = ivec2(push.width, push.height) - 1;
     float ink = SHADOW && texelFetch(shadow_map, pixel, 0).r > push.black ? 1.0 : 0.0;

@@ -13,6 +13,70 @@ abi! {
         PAPER_DEPTHS: f32 = 65535.0;
         /// Half width at most to which lines are widened, pixels.
         PAPER_WIDEN: i32 = 6;
+        /// Steps of a program at most.
+        PAPER_OPS: u32 = 64;
+        /// Values on a program's stack at most.
+        PAPER_STACK: u32 = 16;
+        /// Variables of programs, of which the last four are masks.
+        PAPER_VARIABLES: u32 = 14;
+        /// Largest magnitude of a program's values.
+        PAPER_LARGEST: f32 = 1e9;
+        /// Largest factor on thresholds, for 16-bit floats.
+        PAPER_FACTOR: f32 = 60000.0;
+        /// Largest factor on widths.
+        PAPER_WIDER: f32 = 10.0;
+        /// Step of a program: the step's value.
+        PAPER_NUMBER: u32 = 0;
+        /// Step of a program: the variable of that number.
+        PAPER_VARIABLE: u32 = 1;
+        /// Step of a program: minus.
+        PAPER_NEG: u32 = 2;
+        /// Step of a program: 1 where 0.
+        PAPER_NOT: u32 = 3;
+        /// Step of a program: without sign.
+        PAPER_ABS: u32 = 4;
+        /// Step of a program: root; of negatives 0.
+        PAPER_SQRT: u32 = 5;
+        /// Step of a program: sine, radians.
+        PAPER_SIN: u32 = 6;
+        /// Step of a program: cosine, radians.
+        PAPER_COS: u32 = 7;
+        /// Step of a program: power of e.
+        PAPER_EXP: u32 = 8;
+        /// Step of a program: natural logarithm; 0 where there is none.
+        PAPER_LOG: u32 = 9;
+        /// Step of a program: next whole number below.
+        PAPER_FLOOR: u32 = 10;
+        /// Step of a program: what is above it.
+        PAPER_FRACT: u32 = 11;
+        /// Step of a program: sum.
+        PAPER_ADD: u32 = 12;
+        /// Step of a program: difference.
+        PAPER_SUB: u32 = 13;
+        /// Step of a program: product.
+        PAPER_MUL: u32 = 14;
+        /// Step of a program: quotient; by 0: 0.
+        PAPER_DIV: u32 = 15;
+        /// Step of a program: rest of a division, of the divisor's sign; by 0: 0.
+        PAPER_MOD: u32 = 16;
+        /// Step of a program: power; 0 where there is none.
+        PAPER_POW: u32 = 17;
+        /// Step of a program: smaller.
+        PAPER_MIN: u32 = 18;
+        /// Step of a program: larger.
+        PAPER_MAX: u32 = 19;
+        /// Step of a program: 1 where the first is less.
+        PAPER_LESS: u32 = 20;
+        /// Step of a program: 1 where the first is greater.
+        PAPER_GREATER: u32 = 21;
+        /// Step of a program: between the second and the third.
+        PAPER_CLAMP: u32 = 22;
+        /// Step of a program: from the first to the second by the third.
+        PAPER_MIX: u32 = 23;
+        /// Step of a program: smooth step of the third from the first to the second.
+        PAPER_SMOOTH: u32 = 24;
+        /// Step of a program: second where the first is not 0, otherwise the third.
+        PAPER_IF: u32 = 25;
     }
     structs {
         /// A particle of foliage in one view.
@@ -123,6 +187,45 @@ abi! {
             black: f32,
             /// Growth of lines' width in shadow.
             pressure: f32,
+            /// Largest factor on widths.
+            widest: f32,
+        }
+
+        /// A step of a program.
+        PaperOp {
+            /// What is done.
+            code: u32,
+            /// A number, or the number of a variable.
+            value: f32,
+        }
+
+        /// What programs read of a particle beside its place.
+        PaperTrait {
+            /// Unit normal.
+            normal: [f32; 3],
+            /// Number of its object.
+            object: f32,
+        }
+
+        /// Push constants of factors on thresholds and widths.
+        PaperModulate {
+            /// Where the programs of foliage's threshold and width and of stems' end among the
+            /// steps; one without steps is 1.
+            ends: [u32; 4],
+            /// Pixels across.
+            width: u32,
+            /// Pixels down.
+            height: u32,
+            /// Depth that becomes `near`, metres.
+            nearest: f32,
+            /// Depth that becomes `far`, metres.
+            farthest: f32,
+            /// z0.
+            near: f32,
+            /// z1.
+            far: f32,
+            /// Light from all around, 0 to 1.
+            ambient: f32,
         }
     }
 }

@@ -20,6 +20,7 @@ pub mod lit_shadow;
 pub mod lvc;
 pub mod marching_cubes;
 pub mod matrix;
+pub mod modulate;
 pub mod paper;
 pub mod prt;
 pub mod rays;

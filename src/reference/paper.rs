@@ -144,6 +144,8 @@ pub struct Lines<'a> {
     pub particles: &'a [PaperParticle],
     /// Shadow, where there is one.
     pub shadow: Option<&'a [f32]>,
+    /// Factors on threshold and width, where there are some.
+    pub factors: Option<&'a [[f32; 4]]>,
 }
 
 /// Half width of the line in a pixel; 0: none.
@@ -153,9 +155,12 @@ fn line(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> f64 {
     let at = (row * w + x.clamp(0, w - 1)) as usize;
     let (foliage, stem) = (maps.foliage_depth[at], maps.stem_depth[at]);
     let shade = maps.shadow.map_or(0.0, |s| f64::from(s[at]));
+    let [more, wider] = maps
+        .factors
+        .map_or([1.0; 2], |f| [f[at][0], f[at][1]].map(f64::from));
     let width = if foliage > 0.0 && (stem <= 0.0 || foliage <= stem) {
         let number = maps.foliage_number[at] as u32;
-        let threshold = f64::from(push.foliage) * (1.0 + f64::from(push.detail) * shade);
+        let threshold = f64::from(push.foliage) * (1.0 + f64::from(push.detail) * shade) * more;
         let particle = &maps.particles[number as usize - 1];
         let drawn = number <= push.leaves && f64::from(maps.foliage_difference[at]) > threshold;
         let low = push.lower == 0 || row as f64 + 0.5 >= f64::from(particle.row);
@@ -164,12 +169,12 @@ fn line(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> f64 {
         } else {
             0.0
         }
-    } else if stem > 0.0 && maps.stem_difference[at] > push.stem {
+    } else if stem > 0.0 && f64::from(maps.stem_difference[at]) > f64::from(push.stem) * more {
         push.stem_width
     } else {
         0.0
     };
-    f64::from(width) * (1.0 + f64::from(push.pressure) * shade)
+    f64::from(width) * (1.0 + f64::from(push.pressure) * shade) * wider
 }
 
 /// Ink of a pixel of the bitmap, 0 to 1.
@@ -179,8 +184,9 @@ pub fn bitmap(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> f64 {
     if maps.shadow.is_some_and(|s| s[at] > push.black) {
         return 1.0;
     }
-    let widest =
-        f64::from(push.foliage_width.max(push.stem_width)) * (1.0 + f64::from(push.pressure));
+    let widest = f64::from(push.foliage_width.max(push.stem_width))
+        * (1.0 + f64::from(push.pressure))
+        * f64::from(push.widest);
     let reach = (widest.ceil() as i64).min(i64::from(PAPER_WIDEN));
     let mut ink = 0.0_f64;
     for (dy, dx) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dy, dx))) {

@@ -52,6 +52,7 @@ mod model_fixture;
 mod models;
 mod models_damage;
 mod paper;
+mod paper_modulation;
 mod paper_round;
 mod paper_svg;
 mod place;

@@ -16,7 +16,7 @@ use crate::fixture;
 
 pub(crate) const SIZE: [u32; 2] = [320, 240];
 
-fn style(more: &str) -> PaperStyle {
+pub(crate) fn style(more: &str) -> PaperStyle {
     let text = format!("format_version = 1\nkind = \"paper\"\ndescription = \"x\"\n{more}");
     PaperStyle::parse(&text).unwrap()
 }
@@ -27,6 +27,7 @@ fn particle(at: Vec3, seed: u32) -> Particle {
         normal: Vec3::Z,
         axis: None,
         seed,
+        object: 0,
     }
 }
 
@@ -42,6 +43,14 @@ pub(crate) fn view() -> View {
     };
     let ends = [Vec3::new(0.0, 0.0, -1.0), Vec3::new(0.0, 0.0, -11.0)];
     View::new(camera, DVec3::ZERO, SIZE, Vec3::Y, &ends)
+}
+
+pub(crate) fn maps(particles: &[Particle], style: &PaperStyle) -> Maps {
+    let geometry = backdrop();
+    let scene = scene(&geometry, particles);
+    let gpu = fixture::gpu();
+    let renderer = PaperRenderer::new(&gpu, &scene, style, SIZE).unwrap();
+    renderer.maps(&scene, &view()).unwrap()
 }
 
 /// A thing of no size whose bounds are those of the depths.
@@ -60,17 +69,13 @@ pub(crate) fn backdrop() -> Geometry {
     }
 }
 
-fn maps(particles: &[Particle], style: &PaperStyle) -> Maps {
-    let geometry = backdrop();
-    let scene = PaperScene {
-        geometry: &geometry,
+pub(crate) fn scene<'a>(geometry: &'a Geometry, particles: &'a [Particle]) -> PaperScene<'a> {
+    PaperScene {
+        geometry,
         stems: &[],
         particles,
         leaves: particles.len(),
-    };
-    let gpu = fixture::gpu();
-    let renderer = PaperRenderer::new(&gpu, &scene, style, SIZE).unwrap();
-    renderer.maps(&scene, &view()).unwrap()
+    }
 }
 
 /// Discs scattered over the picture.

@@ -19,6 +19,7 @@ mod light;
 mod lit;
 mod lit_shadow;
 mod matrix;
+mod modulate;
 mod paper;
 mod render;
 mod skylight;
@@ -111,5 +112,6 @@ pub fn cases() -> Vec<Case> {
     cases.extend(ink_looks::cases());
     cases.extend(ink_places::cases());
     cases.extend(paper::cases());
+    cases.extend(modulate::cases());
     cases
 }

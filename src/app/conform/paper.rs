@@ -12,7 +12,7 @@ use crate::math::sampling::uniform;
 use crate::reference::paper as twin;
 
 /// Pixels across and down.
-const SIZE: [u32; 2] = [61, 43];
+pub(super) const SIZE: [u32; 2] = [61, 43];
 /// Texels along the sun's map.
 const MAP: u32 = 32;
 /// Particles, of which the last fifth are ground.
@@ -38,21 +38,25 @@ pub(super) fn cases() -> Vec<Case> {
         },
         Case {
             name: "ink.paper.bitmap",
-            run: |gpu| bitmap(gpu, false),
+            run: |gpu| bitmap(gpu, false, false),
         },
         Case {
             name: "ink.paper.bitmap.shadow",
-            run: |gpu| bitmap(gpu, true),
+            run: |gpu| bitmap(gpu, true, false),
+        },
+        Case {
+            name: "ink.paper.bitmap.modulated",
+            run: |gpu| bitmap(gpu, false, true),
         },
     ]
 }
 
-fn count() -> u32 {
+pub(super) fn count() -> u32 {
     SIZE[0] * SIZE[1]
 }
 
 /// Patches of one depth with holes, on a slope.
-fn depths(seed: u32) -> Vec<f32> {
+pub(super) fn depths(seed: u32) -> Vec<f32> {
     let one = |i: u32| {
         let (x, y) = (i % SIZE[0], i / SIZE[0]);
         let patch = (y / 6) * 16 + x / 5;
@@ -69,7 +73,7 @@ fn depths(seed: u32) -> Vec<f32> {
     (0..count()).map(one).collect()
 }
 
-fn numbers(depth: &[f32]) -> Vec<f32> {
+pub(super) fn numbers(depth: &[f32]) -> Vec<f32> {
     let one = |(i, &d): (u32, &f32)| {
         let patch = (i / SIZE[0] / 6) * 16 + i % SIZE[0] / 5;
         if d > 0.0 {
@@ -81,7 +85,7 @@ fn numbers(depth: &[f32]) -> Vec<f32> {
     (0..).zip(depth).map(one).collect()
 }
 
-fn particles() -> Vec<PaperParticle> {
+pub(super) fn particles() -> Vec<PaperParticle> {
     let one = |i: u32| PaperParticle {
         centre: [0, 1, 2].map(|k| (3.0 * uniform(41, 3 * i + k) - 1.5) as f32),
         row: (f64::from(SIZE[1]) * uniform(42, i)) as f32,
@@ -90,7 +94,7 @@ fn particles() -> Vec<PaperParticle> {
     (0..PARTICLES).map(one).collect()
 }
 
-fn texture(gpu: &Gpu, extent: [u32; 2], texels: &[f32]) -> Result<Image> {
+pub(super) fn texture(gpu: &Gpu, extent: [u32; 2], texels: &[f32]) -> Result<Image> {
     let image = gpu.image(ImageInfo::texture("map", Format::R32Float, extent, 1))?;
     let mut work = gpu.work(QueueKind::Transfer, "map")?;
     work.upload_image("map", &image, &[bytemuck::cast_slice(texels)])?;
@@ -99,7 +103,7 @@ fn texture(gpu: &Gpu, extent: [u32; 2], texels: &[f32]) -> Result<Image> {
 }
 
 /// Runs a kernel whose last binding is an image of `format`.
-fn run<P: bytemuck::Pod>(
+pub(super) fn run<P: bytemuck::Pod>(
     gpu: &Gpu,
     (shader, constants): (Shader, &[(u32, u32)]),
     bindings: &[Binding<'_>],
@@ -118,7 +122,7 @@ fn run<P: bytemuck::Pod>(
 }
 
 /// The twin's value of every pixel.
-fn expected(one: impl Fn(i64, i64) -> f64) -> Vec<f64> {
+pub(super) fn expected(one: impl Fn(i64, i64) -> f64) -> Vec<f64> {
     let width = i64::from(SIZE[0]);
     (0..i64::from(count()))
         .map(|i| one(i % width, i / width))
@@ -160,7 +164,7 @@ fn difference(gpu: &Gpu, mapped: u32, sky_at_far: u32, slope: f32) -> Result<Out
     ))
 }
 
-fn frames() -> [InkFrame; 2] {
+pub(super) fn frames() -> [InkFrame; 2] {
     let camera = InkFrame {
         eye: [0.2, 0.1, 5.0],
         focal: 50.0,
@@ -252,7 +256,7 @@ fn sunlit(gpu: &Gpu) -> Result<Outcome> {
     Ok(Outcome::new(share, 0.005, "share of pixels that differ"))
 }
 
-fn bitmap(gpu: &Gpu, shadow: bool) -> Result<Outcome> {
+fn bitmap(gpu: &Gpu, shadow: bool, modulated: bool) -> Result<Outcome> {
     let (foliage, stems) = (depths(71), depths(72));
     let number = numbers(&foliage);
     let noise = |seed: u32, most: f64| -> Vec<f32> {
@@ -277,6 +281,7 @@ fn bitmap(gpu: &Gpu, shadow: bool) -> Result<Outcome> {
         detail: -0.5,
         black: 0.95,
         pressure: 0.8,
+        widest: if modulated { 1.5 } else { 1.0 },
     };
     let plain = gpu.sampler(&SamplerInfo::default())?;
     let records = gpu.upload("particles", &particles)?;
@@ -295,7 +300,16 @@ fn bitmap(gpu: &Gpu, shadow: bool) -> Result<Outcome> {
     let mut bindings: Vec<Binding<'_>> =
         images.iter().map(|i| Binding::Sampled(i, &plain)).collect();
     bindings.insert(5, Binding::Read(&records));
-    let constants = [(0, u32::from(shadow))];
+    let factors: Vec<[f32; 4]> = (0..count())
+        .map(|i| [0.9, 1.5].map(|most| (most * uniform(76, i)) as f32))
+        .map(|[a, b]| [a, b, 0.0, 0.0])
+        .collect();
+    let image = gpu.image(ImageInfo::texture("map", Format::Rgba32Float, SIZE, 1))?;
+    let mut work = gpu.work(QueueKind::Transfer, "map")?;
+    work.upload_image("map", &image, &[bytemuck::cast_slice(&factors)])?;
+    work.submit()?.wait()?;
+    bindings.push(Binding::Sampled(&image, &plain));
+    let constants = [(0, u32::from(shadow)), (1, u32::from(modulated))];
     let bytes = run(
         gpu,
         (shaders::BITMAP_COMP, &constants),
@@ -313,6 +327,7 @@ fn bitmap(gpu: &Gpu, shadow: bool) -> Result<Outcome> {
         stem_difference: &stem_difference,
         particles: &particles,
         shadow: shadow.then_some(&shade),
+        factors: modulated.then_some(&factors),
     };
     let want = expected(|x, y| twin::bitmap(&lines, &push, x, y));
     let error = |got: &f32, want: &f64| (f64::from(*got) - want).abs();

@@ -178,7 +178,8 @@ fn foliage_contour(
         .iter()
         .enumerate()
         .map(|(i, &d)| {
-            let line = d > threshold * (1.0 + growth * shade.at(i));
+            let [more, wider] = factors(maps, i);
+            let line = d > threshold * (1.0 + growth * shade.at(i)) * more && wider > 0.0;
             if line { 1.0 } else { 0.0 }
         })
         .collect();
@@ -201,14 +202,44 @@ fn foliage_contour(
                 found
             };
             let pen = style.foliage.pen;
+            let seen = &seen;
             found.into_iter().map(move |line| Stroke {
                 primitive: Some(number),
                 ..pen.draw(&placement.line(&line), pcg(number ^ style.seed), |p| {
-                    shade.pressure(placement.pixel(p))
+                    let p = placement.pixel(p);
+                    shade.pressure(p) * width(maps, p, |i| seen.primitive[i] == number)
                 })
             })
         });
     strokes.collect()
+}
+
+/// Factors on threshold and width of what is seen in a pixel.
+fn factors(maps: &Maps, pixel: usize) -> [f32; 2] {
+    maps.factors.get(pixel).copied().unwrap_or([1.0; 2])
+}
+
+/// Factor on the width of a line that passes `p` (pixels): that of the nearest of the pixels about
+/// it that are the line's own. Outlines run along the border of what they belong to.
+fn width(maps: &Maps, p: DVec2, own: impl Fn(usize) -> bool) -> f64 {
+    if maps.factors.is_empty() {
+        return 1.0;
+    }
+    let [w, h] = maps.size.map(|s| s as i64);
+    let middle = p.floor();
+    let mut best = (f64::INFINITY, 1.0);
+    for (dx, dy) in (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))) {
+        let (x, y) = (middle.x as i64 + dx, middle.y as i64 + dy);
+        if x < 0 || y < 0 || x >= w || y >= h {
+            continue;
+        }
+        let away = p.distance_squared(DVec2::new(x as f64 + 0.5, y as f64 + 0.5));
+        let pixel = (y * w + x) as usize;
+        if away < best.0 && own(pixel) {
+            best = (away, f64::from(factors(maps, pixel)[1]));
+        }
+    }
+    best.1
 }
 
 /// The sun's shadow as it is drawn.
@@ -332,7 +363,11 @@ fn stem_contour(
         .stem_difference
         .iter()
         .zip(&visible.stems)
-        .map(|(&d, &seen)| seen && d > threshold)
+        .enumerate()
+        .map(|(i, (&d, &seen))| {
+            let [more, wider] = factors(maps, i);
+            seen && d > threshold * more && wider > 0.0
+        })
         .collect();
     let thin = thinned(&Marks {
         size: maps.size,
@@ -349,7 +384,9 @@ fn stem_contour(
         .enumerate()
         .map(|(i, l)| {
             let line = placement.line(&smoothed(l, SMOOTH));
-            pen.draw(&line, pcg(i as u32 ^ style.seed), |_| 1.0)
+            pen.draw(&line, pcg(i as u32 ^ style.seed), |p| {
+                width(maps, placement.pixel(p), |i| visible.stems[i])
+            })
         })
         .collect()
 }

@@ -2,14 +2,17 @@
 //!
 //! Reading order: [`style`] says what is drawn, [`particles`] and [`polygon`] make primitives of
 //! leaves, [`renderer`] draws depth and numbers, [`drawing`] finds lines in them ([`outline`],
-//! [`trace`], [`diffusion`]), [`pen`] draws them, [`order`] sorts them, [`fit`] makes curves,
-//! [`svg`] writes them; [`laid`] puts strokes on bitmaps.
+//! [`trace`], [`diffusion`]; [`modulation`] changes them from place to place), [`pen`] draws them,
+//! [`order`] sorts them, [`fit`] makes curves, [`svg`] writes them; [`laid`] puts strokes on bitmaps.
 
 pub mod curve;
 pub mod diffusion;
 pub mod drawing;
+pub mod expression;
+mod factors;
 pub mod fit;
 pub mod laid;
+pub mod modulation;
 pub mod order;
 pub mod outline;
 pub mod particles;

@@ -24,6 +24,8 @@ pub struct Particle {
     pub axis: Option<Vec3>,
     /// Number that chooses everything random: the leaf's.
     pub seed: u32,
+    /// Number of the object that it is of.
+    pub object: u32,
 }
 
 /// Twigs for every particle that is left: fewer twigs than particles keep the crown's shape.
@@ -39,6 +41,7 @@ pub fn particles(leaves: &[Leaf], count: u32, seed: u32) -> Result<Vec<Particle>
         normal: leaf.normal,
         axis: Some(leaf.axis),
         seed: pcg(number as u32 ^ pcg(seed)),
+        object: leaf.instance,
     };
     let all: Vec<Particle> = leaves.iter().enumerate().map(particle).collect();
     if count == 0 || all.len() <= count as usize {
@@ -111,6 +114,7 @@ pub fn ground(positions: &[Vec3], ground: &Ground, seed: u32) -> Vec<Particle> {
             normal: Vec3::Y,
             axis: None,
             seed,
+            object: 0,
         }
     };
     (0..ground.count).map(particle).collect()

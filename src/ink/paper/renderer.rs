@@ -4,6 +4,7 @@
 use bytemuck::pod_collect_to_vec;
 use glam::DVec2;
 
+use super::factors::{Factors, Read};
 use super::laid::has_strokes;
 use super::particles::{Particle, records};
 use super::polygon::{self, POINTS};
@@ -11,7 +12,8 @@ use super::style::{Form, PaperStyle, ShadowForm};
 use super::sun::SunMap;
 use super::tones::Tones;
 use crate::abi::{
-    InkFrame, PaperBitmap, PaperDifference, PaperEllipse, PaperParticle, PaperPrimitive, PaperStem,
+    InkFrame, PAPER_WIDER, PaperBitmap, PaperDifference, PaperEllipse, PaperParticle,
+    PaperPrimitive, PaperStem,
 };
 use crate::gpu::shaders::ink as shaders;
 use crate::gpu::{
@@ -61,6 +63,8 @@ pub struct Maps {
     pub stem_normal: Vec<[f32; 4]>,
     /// How deep pixels lie in shadow, 0 to 1; empty where the style has none.
     pub shadow: Vec<f32>,
+    /// Factors on threshold and width of what is seen; empty where the style has none.
+    pub factors: Vec<[f32; 2]>,
     /// How many of the particles are foliage; the others are ground.
     pub leaves: usize,
     /// The particles as they were drawn.
@@ -99,6 +103,7 @@ pub struct PaperRenderer {
     stem: GraphicsPipeline,
     difference: ComputePipeline,
     sun: Option<SunMap>,
+    factors: Option<Factors>,
 }
 
 impl std::fmt::Debug for PaperRenderer {
@@ -162,6 +167,8 @@ impl PaperRenderer {
         } else {
             (shaders::PRIMITIVE_VERT, shaders::PRIMITIVE_FRAG)
         };
+        let factors = Factors::new(gpu, scene, style, size)?;
+        let shadow = style.shadow.form != ShadowForm::None;
         Ok(Self {
             gpu: gpu.clone(),
             style: style.clone(),
@@ -198,9 +205,10 @@ impl PaperRenderer {
                 &[Format::R32Float, Format::Rgba16Float],
             )?,
             difference: gpu.compute_pipeline(shaders::DIFFERENCE_COMP)?,
-            sun: (style.shadow.form != ShadowForm::None)
+            sun: (shadow || factors.as_ref().is_some_and(|f| f.shadow))
                 .then(|| SunMap::new(gpu, size))
                 .transpose()?,
+            factors,
         })
     }
 
@@ -222,11 +230,17 @@ impl PaperRenderer {
             Some(sun) => Some(work.read_image("shadow", &sun.shadow)?),
             None => None,
         };
+        let factors = match &self.factors {
+            Some(factors) => Some(work.read_image("factors", &factors.image)?),
+            None => None,
+        };
         let mut done = work.submit()?.wait()?;
         let passes = done.passes().to_vec();
         let [a, b, c, d, e, f] = reads.map(|r| done.take(r));
         let numbers: Vec<f32> = pod_collect_to_vec(&b);
         let halves: Vec<[u16; 4]> = pod_collect_to_vec(&f);
+        let factors = factors.map_or_else(Vec::new, |f| pod_collect_to_vec(&done.take(f)));
+        let two = |h: &[u16; 4]| [h[0], h[1]].map(crate::math::packing::f16_to_f32);
         Ok(Maps {
             size: self.size.map(|s| s as usize),
             foliage_depth: pod_collect_to_vec(&a),
@@ -239,6 +253,7 @@ impl PaperRenderer {
                 .map(|h| h.map(crate::math::packing::f16_to_f32))
                 .collect(),
             shadow: shadow.map_or_else(Vec::new, |s| pod_collect_to_vec(&done.take(s))),
+            factors: factors.iter().map(two).collect(),
             leaves: scene.leaves,
             particles,
             passes,
@@ -252,7 +267,10 @@ impl PaperRenderer {
     /// Memory runs out or the device is lost.
     pub fn bitmap(&self, scene: &PaperScene<'_>, view: &View, factor: u32) -> Result<Bitmap> {
         let (mut work, _) = self.begin(scene, view)?;
-        let switches = [(0, u32::from(self.sun.is_some()))];
+        let switches = [
+            (0, u32::from(self.sun.is_some())),
+            (1, u32::from(self.factors.is_some())),
+        ];
         let kernel = self
             .gpu
             .compute_pipeline_with(shaders::BITMAP_COMP, &switches)?;
@@ -271,6 +289,7 @@ impl PaperRenderer {
             Binding::Read(&self.particles),
             // Never read where there is no shadow.
             sampled(self.sun.as_ref().map_or(&self.stems[2], |s| &s.shadow)),
+            sampled(self.factors.as_ref().map_or(&self.stems[2], |f| &f.image)),
             Binding::StorageWrite(&picture),
         ];
         let push = self.bitmap_push(factor, scene.leaves);
@@ -321,6 +340,11 @@ impl PaperRenderer {
             } else {
                 0.0
             },
+            widest: if self.factors.as_ref().is_some_and(|f| f.widths) {
+                PAPER_WIDER
+            } else {
+                1.0
+            },
         }
     }
 
@@ -351,6 +375,16 @@ impl PaperRenderer {
             self.draw_foliage(&mut work, &eye, particles.len() as u32)?;
             self.draw_stems(&mut work, &eye, scene)?;
             self.sunlit(&mut work, sun, view)?;
+        }
+        if let Some(factors) = &self.factors {
+            let read = Read {
+                frame: &self.frame,
+                foliage: [&self.foliage[0], &self.foliage[1]],
+                stems: [&self.stems[0], &self.stems[1]],
+                shadow: self.sun.as_ref().map(|s| &s.shadow),
+            };
+            let range = self.difference_push(view, 0.0);
+            factors.run(&mut work, &read, &self.plain, &range, AMBIENT)?;
         }
         Ok((work, particles))
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::modulation::{Modulation, Programs, resolve};
 use super::pen::Pen;
 use super::svg::Profile;
 use crate::{Error, Result};
@@ -146,13 +147,17 @@ impl Default for Depth {
 }
 
 /// Lines of foliage.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Foliage {
     /// Whether they are drawn; foliage hides what is behind it either way.
     pub draw: bool,
     /// Threshold, units of 1/65535 of the range, 0 to 65535.
     pub threshold: f64,
+    /// What it is multiplied by from place to place.
+    pub threshold_by: Option<Modulation>,
+    /// The same of the pen's width.
+    pub width_by: Option<Modulation>,
     /// Their pen.
     pub pen: Pen,
 }
@@ -162,13 +167,15 @@ impl Default for Foliage {
         Self {
             draw: true,
             threshold: 1000.0,
+            threshold_by: None,
+            width_by: None,
             pen: Pen::default(),
         }
     }
 }
 
 /// Lines of trunk and branches.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Stem {
     /// Whether they are drawn.
@@ -178,6 +185,10 @@ pub struct Stem {
     pub thinnest: f64,
     /// Threshold of outlines, units of 1/65535 of the range, 0 to 65535.
     pub threshold: f64,
+    /// What it is multiplied by from place to place.
+    pub threshold_by: Option<Modulation>,
+    /// The same of the width of outlines.
+    pub width_by: Option<Modulation>,
     /// Share of the surface's own slope that is no difference, 0 to 10.
     pub slope: f64,
     /// Pen of outlines.
@@ -200,6 +211,8 @@ impl Default for Stem {
             draw: true,
             thinnest: 0.12,
             threshold: 300.0,
+            threshold_by: None,
+            width_by: None,
             slope: 3.0,
             pen: Pen::default(),
             hatching: 0.8,
@@ -374,9 +387,9 @@ impl PaperStyle {
             if !table.contains_key("kind") {
                 return Ok(None);
             }
-            return Self::parse(&text)
-                .map(Some)
-                .map_err(|e| Error::file(path, e));
+            let mut style = Self::parse(&text).map_err(|e| Error::file(path, e))?;
+            resolve(&mut style, path.parent().unwrap_or(Path::new("")))?;
+            return Ok(Some(style));
         }
         let Some((_, text)) = PRESETS.iter().find(|p| p.0 == name) else {
             return Ok(None);
@@ -485,6 +498,7 @@ impl PaperStyle {
                 sheet.margin, sheet.paper[0], sheet.paper[1]
             ));
         }
+        Programs::new(self)?;
         super::polygon::views(&self.primitive).map(|_| ())
     }
 }
