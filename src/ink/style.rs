@@ -335,9 +335,10 @@ impl Default for Paper {
 }
 
 /// Built-in styles: name and file.
-pub const PRESETS: [(&str, &str); 13] = [
+pub const PRESETS: [(&str, &str); 14] = [
     ("full", include_str!("presets/full.toml")),
     ("half", include_str!("presets/half.toml")),
+    ("leaves", include_str!("presets/leaves.toml")),
     ("minimal", include_str!("presets/minimal.toml")),
     ("normal-edges", include_str!("presets/normal-edges.toml")),
     (
