@@ -20,11 +20,11 @@ layout(push_constant, scalar) uniform Push { InkSilhouette push; };
 // Pixels have styles, and this pass is about one of them.
 layout(constant_id = 0) const bool MIXED = false;
 
-// Pixels from here to the contour of the same object; the reach where there is none.
+// Pixels from here to the contour of the same object; as many as can be where there is none.
 uint steps_to_contour(ivec2 pixel, vec2 outward, float object) {
     ivec2 size = ivec2(push.width, push.height);
-    uint found = push.reach;
-    for (uint step = 0u; step < min(push.reach, INK_WALK); step++) {
+    uint found = INK_WALK;
+    for (uint step = 0u; step < INK_WALK && float(step) + 0.5 < push.reach; step++) {
         ivec2 at = ivec2(floor(vec2(pixel) + 0.5 + float(step) * outward));
         if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) {
             break;
@@ -57,7 +57,7 @@ void main() {
         vec2 outward = e / size;
         uint steps = steps_to_contour(pixel, outward, ids.x);
         InkCluster cluster = clusters[uint(ids.y) - 1u];
-        if (steps < push.reach && cluster.pixel_radius > 0.0) {
+        if (steps < INK_WALK && cluster.pixel_radius > 0.0) {
             vec2 up = cluster.texture_up;
             // Angle from the texture's direction to the outward one, in a picture whose y goes up.
             vec2 o = vec2(outward.x, -outward.y);
@@ -65,7 +65,7 @@ void main() {
             // A whole number of repeats, so that no seam shows.
             float around = 6.28318531 * push.aspect * cluster.pixel_radius / push.band_length;
             float repeats = max(1.0, floor(around + 0.5));
-            vec2 at = vec2(repeats * angle / 6.28318531, (float(steps) + 0.5) / float(push.reach));
+            vec2 at = vec2(repeats * angle / 6.28318531, (float(steps) + 0.5) / push.reach);
             vec4 channels = textureLod(strokes, at, 0.0);
             float shade = 3.0 * clamp(texelFetch(tone_map, pixel, 0).w, 0.0, 1.0);
             uint first = uint(floor(shade + (push.blend != 0u ? 0.0 : 0.5)));

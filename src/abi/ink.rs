@@ -304,7 +304,7 @@ abi! {
             /// Pixels down.
             height: u32,
             /// Pixels that are searched for the contour (p).
-            reach: u32,
+            reach: f32,
             /// Length of the strokes' image, pixels (L).
             band_length: f32,
             /// Aspect of the strokes (c').

@@ -5,7 +5,8 @@ use toml::{Table, Value};
 
 use super::style::{Contour, Edges, Hatching, Silhouette, Style, Wash};
 
-/// The style at `share` (0 to 1) of the way between two: every number is interpolated.
+/// The style at `share` (0 to 1) of the way between two: every number is interpolated, the share of
+/// leaves by equal ratios.
 ///
 /// What a style has switched off, by a strength of 0, it takes from the other, so that things fade
 /// in where they belong instead of wandering there. What is no number (seeds, switches, texels of
@@ -49,7 +50,19 @@ pub fn between(from: &Style, to: &Style, share: f32) -> Result<Style, String> {
             to.description
         )),
     );
-    mixed.try_into::<Style>().map_err(|e| e.to_string())
+    let mut mixed = mixed.try_into::<Style>().map_err(|e| e.to_string())?;
+    mixed.leaves.kept = kept(a.leaves.kept, b.leaves.kept, share);
+    Ok(mixed)
+}
+
+/// The share of leaves goes by equal ratios: those that are left grow with its root, so that equal
+/// steps would change the more the fewer there are. From or to none there are no ratios.
+fn kept(from: f32, to: f32, share: f32) -> f32 {
+    if from > 0.0 && to > 0.0 {
+        from * (to / from).powf(share)
+    } else {
+        from + (to - from) * share
+    }
 }
 
 /// Gives a style what it has switched off and the other has not.
@@ -133,6 +146,8 @@ fn mix(from: &Table, to: &mut Table, share: f32) {
 fn mix_value(from: &Value, to: &mut Value, share: f32) {
     match (from, to) {
         (Value::Table(a), Value::Table(b)) => mix(a, b, share),
+        // Lists of strokes have nothing between.
+        (Value::Array(_), Value::Array(b)) if b.iter().any(Value::is_array) => {}
         (Value::Array(a), Value::Array(b)) => {
             for (a, b) in a.iter().zip(b) {
                 mix_value(a, b, share);
@@ -175,6 +190,8 @@ mod tests {
         assert_eq!(some.hatching.white, ink.hatching.white);
         assert_eq!(some.shading.exposure, photo.shading.exposure);
         assert_eq!(some.shading.strength, 0.75 * photo.shading.strength);
+        let kept = ink.leaves.kept.powf(0.25);
+        assert!((some.leaves.kept - kept).abs() < 1e-6 && kept < 1.0);
         let shape = 1.0 + (ink.leaves.shape - 1.0) * 0.25;
         assert_eq!(some.leaves.shape, shape);
         let toon = between(&photo, &Style::named("toon").unwrap(), 0.5).unwrap();

@@ -41,6 +41,52 @@ pub fn majority([a, b, c]: [u32; 3]) -> u32 {
     }
 }
 
+/// Clusters smaller than this share of the largest radius give their places to their neighbours.
+const SMALL: f32 = 0.25;
+/// Farthest neighbour, largest radii from its centre.
+const NEIGHBOUR: f32 = 1.5;
+
+/// Gives up what greedy gathering leaves between clusters: few places, sometimes one, without an
+/// extent that strokes could lie on. A small cluster without a neighbour stays, and is taken for
+/// larger than it is.
+fn absorbed(mut gathered: Clusters, places: &[Vec3], largest: f32) -> Clusters {
+    let least = SMALL * largest;
+    let found = std::mem::take(&mut gathered.clusters);
+    let large: Vec<u32> = (0..)
+        .zip(&found)
+        .filter(|c| c.1.radius >= least)
+        .map(|c| c.0)
+        .collect();
+    let mut radii: Vec<f32> = found.iter().map(|c| c.radius.max(least)).collect();
+    for (own, &at) in gathered.of_leaf.iter_mut().zip(places) {
+        if found[*own as usize].radius >= least {
+            continue;
+        }
+        let away = |&c: &u32| found[c as usize].centre.distance(at);
+        let nearest = large
+            .iter()
+            .copied()
+            .min_by(|a, b| away(a).total_cmp(&away(b)));
+        if let Some(c) = nearest.filter(|c| away(c) <= NEIGHBOUR * largest) {
+            // The sphere holds its places still.
+            radii[c as usize] = radii[c as usize].max(away(&c));
+            *own = c;
+        }
+    }
+    let mut number = vec![None; found.len()];
+    for own in &mut gathered.of_leaf {
+        let old = *own as usize;
+        *own = *number[old].get_or_insert_with(|| {
+            gathered.clusters.push(Cluster {
+                radius: radii[old],
+                ..found[old]
+            });
+            gathered.clusters.len() as u32 - 1
+        });
+    }
+    gathered
+}
+
 impl Bodies {
     /// Gathers the surface of `parts` (material, instance, range of the geometry's indices) into
     /// clusters of at most `radius` metres.
@@ -70,7 +116,11 @@ impl Bodies {
                 })
             });
         }
-        let gathered = Clusters::new(&places, radius, Choice::Smallest)?;
+        let gathered = absorbed(
+            Clusters::new(&places, radius, Choice::Smallest)?,
+            &places,
+            radius,
+        );
         let mut out = Self {
             clusters: gathered.clusters,
             ..Self::default()
@@ -122,6 +172,14 @@ mod tests {
             bodies.clusters.len()
         );
         assert_eq!(bodies.indices.len(), geometry.indices.len());
+        for (number, cluster) in (0..).zip(&bodies.clusters) {
+            assert!(cluster.radius >= SMALL * radius, "{cluster:?}");
+            let members = bodies.vertices.iter().zip(&bodies.of_vertex);
+            assert!(
+                members.filter(|m| *m.1 == number).count() > 2,
+                "{number} is a patch"
+            );
+        }
         for (new, old) in bodies.indices.iter().zip(&geometry.indices) {
             assert_eq!(bodies.vertices[*new as usize], *old, "the same corner");
         }

@@ -19,5 +19,6 @@ pub mod shape_outline;
 pub mod shown;
 pub mod strokes;
 pub mod style;
+mod style_files;
 mod style_looks;
 pub mod view;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::strokes::{Listed, Stroke, band_of, outline_of, tile_of};
+use super::strokes::{Listed, ListedLine, ListedTick};
 use super::style_looks;
 pub use super::style_looks::{Edges, Shading, Wash};
 use crate::{Error, Result};
@@ -180,6 +180,13 @@ pub struct Silhouette {
     /// Picture of the strokes: four channels, or four rows, from dark to light.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<PathBuf>,
+    /// Lines along the outline instead of the program's: channel (0 darkest to 3), u, length (of the
+    /// band), v, width (texels), where it is thickest (0 to 1), enter, leave (texels).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub strokes: Vec<ListedLine>,
+    /// Ticks inwards: channel, u, depth (texels), lean, bend (of the depth), half width (texels).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ticks: Vec<ListedTick>,
 }
 
 impl Default for Silhouette {
@@ -191,6 +198,8 @@ impl Default for Silhouette {
             aspect: 1.0,
             blend: false,
             band: None,
+            strokes: Vec::new(),
+            ticks: Vec::new(),
         }
     }
 }
@@ -400,56 +409,6 @@ impl Style {
         }
         style.check()?;
         Ok(style)
-    }
-
-    /// Makes the names of its files relative to where the program runs; they are given relative to
-    /// the style's folder.
-    pub(super) fn resolve(&mut self, folder: &Path) {
-        let tile = match &mut self.hatching.tile {
-            Some(Painted::One(path)) => std::slice::from_mut(path),
-            Some(Painted::Several(paths)) => paths,
-            None => &mut [],
-        };
-        let others = [&mut self.silhouette.band, &mut self.leaves.outline];
-        for path in tile.iter_mut().chain(others.into_iter().flatten()) {
-            *path = folder.join(&*path);
-        }
-    }
-
-    /// Reads its files, so that what is wrong with them is told before a model is read.
-    pub(super) fn check_files(&self) -> Result<()> {
-        if self.hatching.tile.is_some() {
-            tile_of(self)?;
-        }
-        if self.silhouette.band.is_some() {
-            band_of(self)?;
-        }
-        outline_of(self).map(|_| ())
-    }
-
-    fn check_strokes(&self) -> std::result::Result<(), String> {
-        let h = &self.hatching;
-        if h.tile.is_some() && !h.strokes.is_empty() {
-            return Err("hatching.tile and hatching.strokes: only one can make the tile".into());
-        }
-        if let Some(Painted::Several(paths)) = &h.tile
-            && !(1..=16).contains(&paths.len())
-        {
-            return Err(format!(
-                "hatching.tile: {} pictures: expected 1 to 16",
-                paths.len()
-            ));
-        }
-        if h.stroke_length[0] > h.stroke_length[1] {
-            return Err(format!(
-                "hatching.stroke_length = {:?}: expected the shortest first",
-                h.stroke_length
-            ));
-        }
-        for (i, &numbers) in h.strokes.iter().enumerate() {
-            Stroke::listed(numbers).map_err(|e| format!("hatching.strokes[{i}]: {e}"))?;
-        }
-        Ok(())
     }
 
     /// Whether every number lies in its range.

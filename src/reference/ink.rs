@@ -117,7 +117,7 @@ pub fn silhouette(
     let outward = e.normalize();
     let start = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
     let mut found = None;
-    for step in 0..push.reach.min(INK_WALK) {
+    for step in (0..INK_WALK).take_while(|&s| s as f32 + 0.5 < push.reach) {
         let p = (start + f64::from(step) * outward).floor();
         if p.x < 0.0 || p.y < 0.0 || p.x >= w as f64 || p.y >= h as f64 {
             break;

@@ -78,6 +78,7 @@ fn pixels_of_a_body_have_the_coordinates_of_their_cluster() {
         let off = DVec2::new(at(0), at(1)) - want;
         worst.push((off - off.round()).abs().max_element());
     }
+    assert!(worst.iter().all(|w| w.is_finite()), "a number everywhere");
     worst.sort_by(f64::total_cmp);
     assert!(
         worst.len() > 5000 && seen.len() > 8,

@@ -1,6 +1,6 @@
 //! Strokes of styles as files: written, painted over, read back, refused.
 
-use umbrage::ink::strokes::tile_of;
+use umbrage::ink::strokes::{band_of, tile_of};
 use umbrage::ink::style::Style;
 use umbrage::scene::textures::encode_png;
 
@@ -42,11 +42,17 @@ fn strokes_are_written_and_read_back() {
         tile_of(&own).unwrap(),
         tile_of(&Style::named(style).unwrap()).unwrap(),
     );
-    let same = listed.levels[0]
-        .iter()
-        .zip(&made.levels[0])
-        .filter(|(a, b)| a.abs_diff(**b) <= 1);
-    assert!(same.count() > 500 * 512, "the list draws the tile");
+    assert!(listed.levels == made.levels, "the list draws the tile");
+    let bands = [&own, &Style::named(style).unwrap()].map(|s| band_of(s).unwrap());
+    assert!(own.silhouette.strokes.len() > 10 && own.silhouette.ticks.len() > 20);
+    assert_eq!(bands[0], bands[1], "and the band, bit for bit");
+    let mut fewer = own.clone();
+    fewer.silhouette.ticks.clear();
+    assert_ne!(
+        band_of(&fewer).unwrap(),
+        bands[1],
+        "what is not listed is not drawn"
+    );
     // Files are relative to the style's folder.
     place.write(
         "styles/painted.toml",
@@ -102,6 +108,22 @@ fn wrong_pictures_are_told_by_file_and_reason() {
         (
             "[hatching]\nstrokes = [[0.5, 0.5, 0.2, 0, 0, 1, 2.0, 0]]",
             ["strokes[0]", "tone 2"],
+        ),
+        (
+            "[silhouette]\nstrokes = [[0, 0.5, 0.2, 1, 99, 0.5, 1, 1]]",
+            ["silhouette.strokes[0]", "width 99"],
+        ),
+        (
+            "[silhouette]\nticks = [[4, 0.5, 9, 1, 0, 1]]",
+            ["silhouette.ticks[0]", "channel 4"],
+        ),
+        (
+            "[silhouette]\nticks = [[3, 0.5, 9, 1, 0, 1]]",
+            ["silhouette.strokes", "no ink"],
+        ),
+        (
+            "[silhouette]\nband = \"small.png\"\nticks = [[0, 0.5, 9, 1, 0, 1]]",
+            ["silhouette.band", "only one"],
         ),
         (
             "[hatching]\nstroke_length = [0.5, 0.2]",

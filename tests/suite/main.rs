@@ -24,6 +24,7 @@ mod golden;
 mod gpu;
 mod grow;
 mod ink;
+mod ink_axes;
 mod ink_bodies;
 mod ink_looks;
 mod ink_mix;

@@ -18,7 +18,8 @@ Examples:
   umbrage ink strokes silhouette-hatching -o tile.png            thresholds, to be painted over
   umbrage ink strokes silhouette-hatching -o band.png --what band
   umbrage ink strokes my-style.toml -o tones.png --what tones    to look at
-  umbrage ink strokes silhouette-hatching -o own.toml            the style with its strokes listed
+  umbrage ink strokes silhouette-hatching -o own.toml            the style with its tile's and band's
+                                                                 strokes listed
 
 A style reads them back: hatching.tile = \"tile.png\", silhouette.band = \"band.png\".";
 }

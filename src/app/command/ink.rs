@@ -7,7 +7,7 @@ use crate::app::cli::ink_strokes::{InkCommandArgs, InkPart, StrokesArgs, Strokes
 use crate::app::output::{PendingFile, check_ending};
 use crate::app::{Context, Report};
 use crate::ink::strokes::painted::picture;
-use crate::ink::strokes::{Stroke, Tile, band_of, level_size, tile_of};
+use crate::ink::strokes::{Stroke, Tile, band_of, band_strokes, level_size, tile_of};
 use crate::ink::style::Style;
 use crate::scene::textures::{Rgba8, encode_png};
 use crate::{Error, Result};
@@ -39,7 +39,7 @@ fn strokes(args: &StrokesArgs) -> Result<Report> {
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let bytes = if listed {
-        list(&style, &tile)?.into_bytes()
+        list(&style, &tile, args.what)?.into_bytes()
     } else {
         let shown = match args.what {
             StrokesWhat::Tile => picture(&tile),
@@ -76,16 +76,27 @@ fn strokes(args: &StrokesArgs) -> Result<Report> {
     Ok(Report::new(text, json))
 }
 
-/// The style with the strokes of its tile in it.
-fn list(style: &Style, tile: &Tile) -> Result<String> {
-    if tile.strokes.is_empty() {
+/// The style with the strokes of its tile and band in it; of the band alone where that is asked for.
+fn list(style: &Style, tile: &Tile, what: StrokesWhat) -> Result<String> {
+    let mut listed = style.clone();
+    if what != StrokesWhat::Band {
+        if tile.strokes.is_empty() {
+            return Err(Error::usage(
+                "ink strokes: a painted tile has no list of strokes; write a .png, or the band \
+                 alone (--what band)",
+            ));
+        }
+        listed.hatching.strokes = tile.strokes.iter().map(Stroke::to_listed).collect();
+    } else if style.silhouette.band.is_some() {
         return Err(Error::usage(
-            "ink strokes: a painted tile has no list of strokes; write a .png",
+            "ink strokes: a painted band has no list of strokes; write a .png",
         ));
     }
-    let mut style = style.clone();
-    style.hatching.strokes = tile.strokes.iter().map(Stroke::to_listed).collect();
-    let text = toml::to_string(&style).map_err(|e| Error::usage(format!("style: {e}")))?;
+    if style.silhouette.band.is_none() {
+        let band = band_strokes(style);
+        (listed.silhouette.strokes, listed.silhouette.ticks) = (band.lines, band.ticks);
+    }
+    let text = toml::to_string(&listed).map_err(|e| Error::usage(format!("style: {e}")))?;
     Ok(text.replace("], [", "],\n  [").replace("[[", "[\n  ["))
 }
 

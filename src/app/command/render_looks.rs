@@ -54,7 +54,9 @@ pub(super) fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     let pattern = args.model.foliage.as_deref();
     let textures = &args.model.textures;
     let prepared = Prepared::new(source, textures, pattern, &args.settings, &mut timings)?;
-    let baked = if styles.iter().any(|s| InkPlan::new(&s.1).crown) {
+    // Without leaves there is nothing to bake; styles for leaves will say so.
+    let leafy = !prepared.split_with_or_without()?.foliage_indices.is_empty();
+    let baked = if leafy && styles.iter().any(|s| InkPlan::new(&s.1).crown) {
         Some(prepared.bake(context, &mut timings)?.bake)
     } else {
         None

@@ -318,7 +318,7 @@ fn silhouette(gpu: &Gpu, blend: u32, styles: u32) -> Result<Outcome> {
     let push = InkSilhouette {
         width: SIZE[0],
         height: SIZE[1],
-        reach: 9,
+        reach: 9.3,
         band_length: 30.0,
         aspect: 1.3,
         blend,

@@ -145,7 +145,7 @@ impl InkRenderer {
     pub fn restyle(&mut self, scene: &InkScene<'_>, style: &Style, view: &View) -> Result<()> {
         let mix = Mix::single(style.clone());
         let same = |old: &Style| {
-            old.seed == style.seed && old.shading.shadow_texels == style.shading.shadow_texels
+            old.shading.shadow_texels == style.shading.shadow_texels && old.has_pictures_of(style)
         };
         match self.stage2.as_mut_slice() {
             [one] if self.plan == MixPlan::new(&mix) && same(&one.style) => {

@@ -162,7 +162,7 @@ impl InkRenderer {
         let push = InkSilhouette {
             width: self.size[0],
             height: self.size[1],
-            reach: (s.width * factor).round().max(1.0) as u32,
+            reach: (s.width * factor).max(1.0),
             band_length: s.length * factor,
             aspect: s.aspect,
             blend: u32::from(s.blend),

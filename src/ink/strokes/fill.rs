@@ -148,6 +148,8 @@ impl Tile {
                     };
                     // It comes in half way to what it makes: right on both sides.
                     stroke.tone = (darkness + 0.5 * gain).clamp(first, target);
+                    // With the digits that a list has, so that a list draws the same.
+                    let stroke = stroke.rounded();
                     for finer in &mut levels[..=level as usize] {
                         finer.draw(&stroke);
                     }

@@ -7,7 +7,7 @@ pub mod painted;
 mod source;
 mod tile;
 
-pub use band::band;
+pub use band::{BandStrokes, ListedLine, ListedTick, band};
 pub use fill::TileSettings;
-pub use source::{band_of, outline_of, tile_of};
+pub use source::{band_of, band_strokes, outline_of, tile_of};
 pub use tile::{Listed, Stroke, Tile, level_size};

@@ -208,11 +208,16 @@ impl Band {
                 .flat_map(|i| [0, 1, 2, 3].map(|channel| byte(i, channel)))
                 .collect()
         };
-        let band = Self {
-            extent: [width, rows],
-            texels,
-        };
-        let darkness = [0, 1, 2, 3].map(|channel| band.darkness(channel));
+        let extent = [width, rows];
+        Self { extent, texels }.checked()
+    }
+
+    /// With its rows from dark to light.
+    ///
+    /// # Errors
+    /// They are not, or have no ink.
+    pub(super) fn checked(self) -> Result<Self, String> {
+        let darkness = [0, 1, 2, 3].map(|channel| self.darkness(channel));
         if darkness[0] <= 0.0 {
             return Err("has no ink".into());
         }
@@ -224,7 +229,7 @@ impl Band {
                 darkness[k]
             ));
         }
-        Ok(band)
+        Ok(self)
     }
 
     /// Mean ink of a channel, 0 to 1.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::band::band;
+use super::band::BandStrokes;
 use super::fill::TileSettings;
 use super::painted::{self, Band};
 use super::tile::{Stroke, Tile};
@@ -76,13 +76,15 @@ pub fn tile_of(style: &Style) -> Result<Tile> {
 /// The band of silhouette strokes of a style.
 ///
 /// # Errors
-/// A file that cannot be read or does not fit.
+/// A file that cannot be read or does not fit, a list that does not go from dark to light.
 pub fn band_of(style: &Style) -> Result<Band> {
     let Some(path) = &style.silhouette.band else {
-        return Ok(Band {
+        let band = Band {
             extent: [INK_BAND_LENGTH, INK_BAND_WIDTH],
-            texels: band(style.seed),
-        });
+            texels: band_strokes(style).texels(),
+        };
+        let checked = band.checked();
+        return checked.map_err(|e| Error::usage(format!("silhouette.strokes: {e}")));
     };
     let band = Band::new(&read(path)?).map_err(|e| Error::file(path, e))?;
     if band.seam() > ROUGH {
@@ -93,6 +95,19 @@ pub fn band_of(style: &Style) -> Result<Band> {
         );
     }
     Ok(band)
+}
+
+/// Strokes of a style's band that is not painted: its own, or the program's.
+#[must_use]
+pub fn band_strokes(style: &Style) -> BandStrokes {
+    let s = &style.silhouette;
+    if s.strokes.is_empty() && s.ticks.is_empty() {
+        return BandStrokes::new(style.seed);
+    }
+    BandStrokes {
+        lines: s.strokes.clone(),
+        ticks: s.ticks.clone(),
+    }
 }
 
 /// The shape that a style's leaves turn into, where it is no disc.
