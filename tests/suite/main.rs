@@ -55,6 +55,7 @@ mod models_damage;
 mod paper;
 mod paper_modulation;
 mod paper_round;
+mod paper_stems;
 mod paper_svg;
 mod place;
 mod properties;

@@ -18,7 +18,7 @@ use crate::ink::paper::fit::FitSettings;
 use crate::ink::paper::laid::{lay, strokes_of};
 use crate::ink::paper::particles::{Particle, ground, particles};
 use crate::ink::paper::renderer::{Bitmap, PaperRenderer, PaperScene};
-use crate::ink::paper::stems::thick_stems;
+use crate::ink::paper::stems::{Told, drawn_stems, known_orders};
 use crate::ink::paper::style::PaperStyle;
 use crate::ink::paper::svg::Drawing;
 use crate::ink::view::View;
@@ -34,6 +34,7 @@ const CORNER: f64 = 1.2;
 struct Subject {
     prepared: Prepared,
     stems: Vec<u32>,
+    told: Told,
     particles: Vec<Particle>,
     leaves: usize,
 }
@@ -79,10 +80,11 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
     };
     output.commit(&bytes)?;
     let mut text = format!(
-        "{}: {}, {} primitives\n",
+        "{}: {}, {} primitives, branches by {}\n",
         args.output.display(),
         report.0,
-        subject.particles.len()
+        subject.particles.len(),
+        subject.told.words()
     );
     if context.timings() {
         text += &format!("\n{}", timings.table());
@@ -91,6 +93,7 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
     json["output"] = json!(args.output);
     json["style"] = json!(args.ink.style);
     json["primitives"] = json!(subject.particles.len());
+    json["branches"] = json!(subject.told.words());
     json["times"] = timings.json();
     Ok(Report::new(text, json))
 }
@@ -115,8 +118,9 @@ fn subject(prepared: Prepared, style: &PaperStyle, timings: &mut Timings) -> Res
         .flat_map(|(_, p)| &geometry.indices[p.index_range()])
         .copied()
         .collect();
-    let stems = timings.measure("branches", || {
-        thick_stems(&geometry.positions, wood, style.stem.thinnest)
+    let (stems, told) = timings.measure("branches", || {
+        let known = known_orders(&prepared.input.model, geometry, &split.foliage_parts);
+        drawn_stems(&geometry.positions, wood, known, &style.stem)
     });
     let leaves = particles.len();
     let mut particles = particles;
@@ -124,6 +128,7 @@ fn subject(prepared: Prepared, style: &PaperStyle, timings: &mut Timings) -> Res
     Ok(Subject {
         prepared,
         stems,
+        told,
         particles,
         leaves,
     })

@@ -6,6 +6,7 @@
 
 mod along;
 mod axes;
+pub mod order;
 mod surface;
 
 use glam::{DVec3, Vec3};

@@ -3,10 +3,81 @@
 
 use glam::Vec3;
 
+use super::style::Stem;
 use crate::ink::branches::Branches;
+use crate::ink::branches::order::orders;
+use crate::scene::{Geometry, Model};
+
+/// What told which branches are drawn.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Told {
+    /// The generator, which knows the order of every branch.
+    #[default]
+    Generator,
+    /// Tubes that stand in each other.
+    Surface,
+    /// The branches' radius: their order could not be told.
+    Radius,
+}
+
+impl Told {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Generator => "order, as grown",
+            Self::Surface => "order, told from their surface",
+            Self::Radius => "radius, as their order cannot be told",
+        }
+    }
+}
+
+/// The order of every vertex of wood (parts that are no foliage), where the generator made all of it.
+#[must_use]
+pub fn known_orders(model: &Model, geometry: &Geometry, foliage: &[bool]) -> Option<Vec<u8>> {
+    let mut out = vec![u8::MAX; geometry.positions.len()];
+    let parts = geometry.parts.iter().enumerate();
+    for (_, part) in parts.filter(|(i, _)| !foliage.get(*i).copied().unwrap_or(false)) {
+        let primitive = &model.meshes[part.mesh].primitives[part.primitive];
+        let orders = &primitive.botany.as_ref()?.branch_order;
+        if orders.len() != part.vertex_count {
+            return None;
+        }
+        out[part.vertices()].copy_from_slice(orders);
+    }
+    Some(out)
+}
+
+/// The triangles of `indices` that `stem` draws, and what told. `known` holds the order of every
+/// vertex, where the generator made it.
+#[must_use]
+pub fn drawn_stems(
+    positions: &[Vec3],
+    indices: Vec<u32>,
+    known: Option<Vec<u8>>,
+    stem: &Stem,
+) -> (Vec<u32>, Told) {
+    let told = if known.is_some() {
+        Told::Generator
+    } else {
+        Told::Surface
+    };
+    if indices.is_empty() {
+        return (indices, told);
+    }
+    let Some(orders) = known.or_else(|| orders(positions, &indices)) else {
+        return (thick_stems(positions, indices, stem.thinnest), Told::Radius);
+    };
+    let low = |t: &&[u32]| {
+        t.iter()
+            .all(|&v| u32::from(orders[v as usize]) <= stem.order)
+    };
+    let kept = indices.chunks_exact(3).filter(low).flatten();
+    (kept.copied().collect(), told)
+}
 
 /// The triangles of `indices` on branches of at least `thinnest` of the thickest one's radius.
-/// Models do not tell the order of their branches; their radius stands for it. 0 keeps all.
+/// Where the order of branches cannot be told their radius stands for it. 0 keeps all.
 #[must_use]
 pub fn thick_stems(positions: &[Vec3], indices: Vec<u32>, thinnest: f64) -> Vec<u32> {
     if thinnest <= 0.0 || indices.is_empty() {

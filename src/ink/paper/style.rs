@@ -180,8 +180,10 @@ impl Default for Foliage {
 pub struct Stem {
     /// Whether they are drawn.
     pub draw: bool,
-    /// Radius of the thinnest branch that is drawn, shares of the trunk's, 0 (all) to 1: models do
-    /// not tell the order of branches.
+    /// Highest branching order that is drawn, 0 (the trunk alone) to 255 (all).
+    pub order: u32,
+    /// Where orders cannot be told: radius of the thinnest branch that is drawn, shares of the
+    /// trunk's, 0 (all) to 1.
     pub thinnest: f64,
     /// Threshold of outlines, units of 1/65535 of the range, 0 to 65535.
     pub threshold: f64,
@@ -209,6 +211,7 @@ impl Default for Stem {
     fn default() -> Self {
         Self {
             draw: true,
+            order: 2,
             thinnest: 0.12,
             threshold: 300.0,
             threshold_by: None,
@@ -438,6 +441,7 @@ impl PaperStyle {
             ("depth.near".into(), d.near, 1e-6, 1e9),
             ("depth.far".into(), d.far, d.near * (1.0 + 1e-6), 1e12),
             ("foliage.threshold".into(), f.threshold, 0.0, 65535.0),
+            ("stem.order".into(), f64::from(s.order), 0.0, 255.0),
             ("stem.thinnest".into(), s.thinnest, 0.0, 1.0),
             ("stem.threshold".into(), s.threshold, 0.0, 65535.0),
             ("stem.slope".into(), s.slope, 0.0, 10.0),

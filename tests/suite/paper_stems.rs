@@ -1,0 +1,108 @@
+//! Branching orders: what a mesh alone tells, against what the generator knows.
+
+use glam::Vec3;
+use umbrage::ink::branches::order::orders;
+use umbrage::scene::grow::{GrowOptions, Species, grow};
+
+use crate::place::{Place, stderr};
+
+/// Places, triangles and the truth of a grown plant's wood.
+fn wood(species: Species, seed: u64) -> (Vec<Vec3>, Vec<u32>, Vec<u8>) {
+    let options = GrowOptions {
+        seed,
+        leaves: Some(400),
+        ..GrowOptions::default()
+    };
+    let model = grow(species, &options).unwrap();
+    let primitive = &model.meshes[0].primitives[0];
+    let places = primitive.positions.iter().map(|&p| Vec3::from(p)).collect();
+    let truth = primitive.botany.as_ref().unwrap().branch_order.clone();
+    (places, primitive.indices.clone(), truth)
+}
+
+#[test]
+fn the_mesh_alone_tells_the_orders_that_the_generator_knows() {
+    for species in [Species::Broadleaf, Species::Conifer] {
+        let (places, indices, truth) = wood(species, 2);
+        let found = orders(&places, &indices).expect("orders are told");
+        for cut in [1, 2] {
+            let (mut both, mut only_found, mut only_true) = (0.0, 0.0, 0.0);
+            for t in indices.chunks_exact(3) {
+                let [a, b, c] = [0, 1, 2].map(|k| places[t[k] as usize]);
+                let area = f64::from(0.5 * (b - a).cross(c - a).length());
+                match (found[t[0] as usize] <= cut, truth[t[0] as usize] <= cut) {
+                    (true, true) => both += area,
+                    (true, false) => only_found += area,
+                    (false, true) => only_true += area,
+                    (false, false) => {}
+                }
+            }
+            let (precision, recall) = (both / (both + only_found), both / (both + only_true));
+            let deepest = truth.iter().max();
+            println!(
+                "{}, order {cut} of {deepest:?}: precision {precision:.4}, recall {recall:.4}",
+                species.name()
+            );
+            assert!(precision >= 0.95 && recall >= 0.95, "{}", species.name());
+        }
+    }
+}
+
+#[test]
+fn a_surface_that_is_one_piece_tells_no_order() {
+    // A cross of two bars that share their vertices.
+    let mut places = Vec::new();
+    let mut indices: Vec<u32> = Vec::new();
+    let bar = |places: &mut Vec<Vec3>, along: Vec3, across: Vec3| {
+        let first = places.len() as u32;
+        for k in 0..=20 {
+            let middle = along * (0.1 * k as f32 - 1.0);
+            for side in 0..4 {
+                let (sin, cos) = (std::f32::consts::FRAC_PI_2 * side as f32).sin_cos();
+                places.push(middle + 0.02 * (cos * across + sin * along.cross(across)));
+            }
+        }
+        (first, first + 40)
+    };
+    for (along, across) in [(Vec3::Y, Vec3::X), (Vec3::X, Vec3::Y)] {
+        let (first, _) = bar(&mut places, along, across);
+        for ring in 0..20 {
+            for side in 0..4 {
+                let (a, b) = (first + 4 * ring + side, first + 4 * ring + (side + 1) % 4);
+                indices.extend([a, b, b + 4, a, b + 4, a + 4]);
+            }
+        }
+    }
+    // What joins them.
+    indices.extend([40, 41, 84 + 40]);
+    assert_eq!(orders(&places, &indices), None);
+    assert_eq!(orders(&[], &[]), None);
+    assert_eq!(
+        orders(&[Vec3::ONE; 3], &[0, 1, 2])
+            .map(|o| o.len())
+            .unwrap_or(3),
+        3
+    );
+}
+
+#[test]
+fn the_program_says_what_told_it_the_branches() {
+    let place = Place::new();
+    let report = |model: &str, more: &str| {
+        let style = format!(
+            "format_version = 1\nkind = \"paper\"\ndescription = \"x\"\n[primitive]\ncount = 50\n{more}"
+        );
+        let style = place.write("own.toml", style);
+        let arguments = [
+            "render", model, "-o", "x.svg", "--style", &style, "--paper", "a6",
+        ];
+        place.json(&arguments)["branches"]
+            .as_str()
+            .unwrap()
+            .to_owned()
+    };
+    assert_eq!(report("grow:shrub:1:60", ""), "order, as grown");
+    let grown = place.umbrage(&["grow", "shrub", "--leaves", "60", "-o", "shrub.glb"]);
+    assert_eq!(grown.status.code(), Some(0), "{}", stderr(&grown));
+    assert_eq!(report("shrub.glb", ""), "order, told from their surface");
+}
