@@ -53,4 +53,20 @@ float presence(float rank, float kept) {
     return clamp((kept * (1.0 + INK_FADE) - rank) / INK_FADE, 0.0, 1.0);
 }
 
+// A corner of the square that the leaf's shape fits in, `local` in radii, as a style places, turns
+// and sizes the leaf for an eye that looks along `forward`.
+vec3 leaf_corner(InkLeaf leaf, InkCluster cluster, InkStyle style, float rank, vec3 outward,
+                 vec3 forward, vec2 local) {
+    vec3 place = displaced(leaf, cluster, outward, style.displacement);
+    // Facing means parallel to the picture: depth is constant over the leaf, so that no threshold of
+    // contours depends on the place in the picture.
+    vec3 normal = turned_normal(leaf, outward, -forward, style.orientation, style.facing);
+    vec3 axis = turned_axis(leaf.axis, leaf.normal, normal);
+    axis = swirled_axis(axis, normal, cross(outward, forward), style.swirl);
+    float radius = leaf.radius * style.size * presence(rank, style.kept);
+    // Longer and narrower, with the area that it had.
+    vec2 extent = radius * vec2(inversesqrt(style.elongation), sqrt(style.elongation));
+    return place + extent.x * local.x * cross(axis, normal) + extent.y * local.y * axis;
+}
+
 #endif

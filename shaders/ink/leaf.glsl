@@ -5,7 +5,6 @@
 #include "ink_style.glsl"
 
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { InkFrame frame; };
-layout(set = 0, binding = 2, scalar) restrict readonly buffer Clusters { InkCluster clusters[]; };
 layout(set = 0, binding = 3) uniform sampler2D shapes;
 layout(set = 0, binding = 4, scalar) restrict readonly buffer Styles { InkStyle styles[]; };
 layout(set = 1, binding = 0) uniform sampler2D base_color_map;
@@ -24,6 +23,10 @@ layout(location = 8) flat in vec4 in_crown;
 layout(location = 9) flat in vec4 in_hatch_linear;
 layout(location = 10) flat in vec4 in_hatch_middle;
 layout(location = 11) flat in vec4 in_hatch_depth;
+layout(location = 12) flat in vec3 in_centre;
+
+// Leaves have styles; otherwise all have the first.
+layout(constant_id = 6) const bool MIXED = false;
 
 #include "ink_hatch.glsl"
 #include "ink_noise.glsl"
@@ -53,15 +56,14 @@ vec3 lit_normal(InkStyle style, vec3 centre) {
 }
 
 Attributes leaf_attributes() {
-    InkStyle style = styles[in_ids.w];
+    InkStyle style = styles[MIXED ? in_ids.w : 0u];
     float alpha = leaf_alpha(shapes, in_local, in_ids.z);
     if (alpha < style.shape) {
         discard;
     }
     Attributes a;
     a.albedo = leaf_colour(style, alpha);
-    InkCluster cluster = clusters[in_ids.y];
-    vec3 normal = lit_normal(style, cluster.centre);
+    vec3 normal = lit_normal(style, in_centre);
     a.normal = normal * in_crown.w;
     a.tone = ink_tone(normal, frame.to_sun, style, in_normal.w);
     a.depth = dot(in_position - frame.eye, frame.forward);

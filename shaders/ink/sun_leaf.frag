@@ -7,14 +7,13 @@
 // A leaf as the sun sees it: cut to the shape that it has in the picture.
 
 layout(set = 0, binding = 3) uniform sampler2D shapes;
-layout(set = 0, binding = 4, scalar) restrict readonly buffer Styles { InkStyle styles[]; };
-layout(push_constant, scalar) uniform Push { InkLeafDraw push; };
 
-layout(location = 1) in vec2 in_local;
-layout(location = 4) flat in uvec4 in_ids;
+layout(location = 0) in vec2 in_local;
+layout(location = 1) flat in uint in_shape;
+layout(location = 2) flat in float in_threshold;
 
 void main() {
-    if (leaf_alpha(shapes, in_local, in_ids.z) < styles[in_ids.w].shape) {
+    if (leaf_alpha(shapes, in_local, in_shape) < in_threshold) {
         discard;
     }
 }

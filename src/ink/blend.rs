@@ -32,6 +32,8 @@ pub fn between(from: &Style, to: &Style, share: f32) -> Result<Style, String> {
     }
     // Not a number that has anything between: other clusters are other drawings.
     a.leaves.cluster_radius = b.leaves.cluster_radius;
+    // Nor is the size of a map.
+    a.shading.shadow_pixels = b.shading.shadow_pixels;
     if (a.contour.mapping > 0.0) != (b.contour.mapping > 0.0) {
         return Err(format!(
             "contour.mapping is {} and {}: there is no way between linear and mapped depths",

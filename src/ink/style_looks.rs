@@ -26,6 +26,10 @@ pub struct Shading {
     pub shadow: f32,
     /// Texels along an edge of the shadow's map, 64 to 8192: finer shadows for memory and time.
     pub shadow_texels: u32,
+    /// Pixels of the first view that a texel of the map spans at least, 0 to 8: what is finer than
+    /// the picture is not drawn. The filter keeps its width, `shadow_radius` texels of the whole map.
+    /// 0: always all texels.
+    pub shadow_pixels: f32,
     /// Radius of the shadow's filter, texels, 1 to 8.
     pub shadow_radius: f32,
     /// Factor on the light under the lines, 0.1 to 10.
@@ -55,6 +59,7 @@ impl Default for Shading {
             wrap: 1.0,
             shadow: 0.0,
             shadow_texels: 1024,
+            shadow_pixels: 1.0,
             shadow_radius: 2.5,
             exposure: 1.0,
             sun: [1.0; 3],
@@ -170,6 +175,7 @@ pub(super) fn numbers(g: &Shading, e: &Edges, w: &Wash) -> Vec<Number> {
             64.0,
             8192.0,
         ),
+        ("shading.shadow_pixels", g.shadow_pixels, 0.0, 8.0),
         ("shading.shadow_radius", g.shadow_radius, 1.0, 8.0),
         ("shading.exposure", g.exposure, 0.1, 10.0),
         ("shading.flat", g.flat, 0.0, 1.0),

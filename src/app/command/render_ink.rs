@@ -33,7 +33,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     if let Some(paper) = PaperStyle::named(named)? {
         return super::render_paper::run(context, args, paper);
     }
-    let mix = Mix::named(named)?;
+    let mut mix = Mix::named(named)?;
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &["png", "jpg", "jpeg"])?;
     let [source] = args.inputs.as_slice() else {
@@ -45,6 +45,12 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         Some(_) => None,
         None => Some(PendingFile::create(&args.output)?),
     };
+    if animation.is_some() {
+        // The eye may come nearer: the sun's map has all its texels in every frame.
+        for style in &mut mix.styles {
+            style.shading.shadow_pixels = 0.0;
+        }
+    }
     let mut timings = Timings::default();
     let pattern = args.model.foliage.as_deref();
     let textures = &args.model.textures;

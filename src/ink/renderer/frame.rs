@@ -3,10 +3,11 @@
 use glam::DVec2;
 
 use super::looks::Light;
-use super::order::{INDICES, Order};
+use super::order::{self, INDICES};
 use super::pipelines::Stage1Pipelines;
 use super::stage2::Stage2;
 use super::styles::Styles;
+use super::sun::SunMap;
 use super::targets::Targets;
 use super::uploads::Uploads;
 use crate::Result;
@@ -114,12 +115,12 @@ impl InkRenderer {
             )?,
             uploads: Uploads::new(gpu, scene, &mix.styles)?,
             targets: Targets::new(gpu, &plan, view.size)?,
-            stage1: Stage1Pipelines::new(gpu, &plan.attributes())?,
+            stage1: Stage1Pipelines::new(gpu, &plan)?,
             styles: Styles::new(gpu, scene, mix, view, factor)?,
             stage2: stage2
                 .map(|one| Stage2::new(gpu, &plan, one, view.size))
                 .collect::<Result<_>>()?,
-            light: Light::new(gpu, mix, &plan, view.size)?,
+            light: Light::new(gpu, (mix, &plan), scene, view)?,
             plan,
         })
     }
@@ -127,8 +128,7 @@ impl InkRenderer {
     /// How many leaves a view draws.
     #[must_use]
     pub fn drawn_leaves(&self, scene: &InkScene<'_>, view: &View) -> usize {
-        let order = Order::new(scene, &self.styles, view, self.factor);
-        order.indices.len() / INDICES
+        order::drawn(scene, &self.styles, view, self.factor).len()
     }
 
     /// Takes the hatching of the next views from `courses`, one for each cluster; with none, from
@@ -144,14 +144,18 @@ impl InkRenderer {
     /// As [`InkRenderer::new`].
     pub fn restyle(&mut self, scene: &InkScene<'_>, style: &Style, view: &View) -> Result<()> {
         let mix = Mix::single(style.clone());
+        let map = SunMap::new(scene, &mix.styles, view);
+        let texels = self.light.as_ref().map(|l| l.map.texels);
         let same = |old: &Style| {
-            old.shading.shadow_texels == style.shading.shadow_texels && old.has_pictures_of(style)
+            texels.is_none_or(|texels| texels == map.texels) && old.has_pictures_of(style)
         };
         match self.stage2.as_mut_slice() {
             [one] if self.plan == MixPlan::new(&mix) && same(&one.style) => {
                 one.style = style.clone();
                 self.styles = Styles::new(&self.gpu, scene, &mix, view, self.factor)?;
-                self.light = self.light.take().map(|light| light.filtered(style));
+                if let Some(light) = &mut self.light {
+                    light.map = map;
+                }
             }
             _ => *self = Self::new(&self.gpu.clone(), scene, &mix, view, self.factor)?,
         }
@@ -228,9 +232,10 @@ impl InkRenderer {
         )?;
         let sizes = (self.reference, self.factor);
         self.styles.upload(&mut work, scene, view, sizes)?;
+        let drawn = order::drawn(scene, &self.styles, view, self.factor);
         let sun = self.sun_view(scene, view);
-        self.sun_map(&mut work, scene, view, (&frame, &sun))?;
-        self.stage1(&mut work, scene, view)?;
+        self.sun_map(&mut work, (scene, &drawn), view, (&frame, &sun))?;
+        self.stage1(&mut work, (scene, &drawn), view)?;
         self.stage2(&mut work, view, scene, &sun)?;
         Ok(work)
     }

@@ -1,7 +1,9 @@
 //! Images and kernels of light, edges and washes, as many as the plan has.
 
-use super::frame::InkRenderer;
+use super::frame::{InkRenderer, InkScene};
+use super::order::INDICES;
 use super::stage2::Stage2;
+use super::sun::SunMap;
 use crate::Result;
 use crate::abi::{InkEdges, InkFrame, InkSoften, InkWash};
 use crate::gpu::shaders::ink as shaders;
@@ -12,6 +14,7 @@ use crate::gpu::{
 use crate::ink::mix::{Mix, MixPlan};
 use crate::ink::plan::{Attribute, InkPlan};
 use crate::ink::style::Style;
+use crate::ink::view::View;
 use crate::math::colour::srgb_to_linear;
 
 /// Depth bias of casters, constant (steps of the map) and by slope, away from the sun.
@@ -21,6 +24,8 @@ const SHADOW_BIAS: (f32, f32) = (-2.0, -1.0);
 pub(super) struct Shadow {
     pub(super) map: Image,
     pub(super) frame: Buffer,
+    /// Indices of the leaves, the nearest to the sun first.
+    pub(super) order: Buffer,
     pub(super) leaves: GraphicsPipeline,
     pub(super) wood: GraphicsPipeline,
 }
@@ -28,10 +33,8 @@ pub(super) struct Shadow {
 /// Sun and sky of every pixel, for all styles.
 pub(super) struct Light {
     pub(super) shadow: Option<Shadow>,
-    /// Texels along an edge of the sun's map: of the style that has most.
-    pub(super) texels: u32,
-    /// Radius of its filter, texels: of the style with the widest.
-    pub(super) reach: f32,
+    /// Size of the sun's map and its filter.
+    pub(super) map: SunMap,
     pub(super) kernel: ComputePipeline,
     /// Sun, sky, shadow, tone.
     pub(super) image: Image,
@@ -58,42 +61,35 @@ pub(super) struct Paints {
 }
 
 impl Light {
-    /// For pictures of `size` pixels; none where no style of the plan tells sun and sky apart.
+    /// For pictures of the size of `view`; none where no style of the plan tells sun and sky apart.
     pub(super) fn new(
         gpu: &Gpu,
-        mix: &Mix,
-        plan: &MixPlan,
-        size: [u32; 2],
+        (mix, plan): (&Mix, &MixPlan),
+        scene: &InkScene<'_>,
+        view: &View,
     ) -> Result<Option<Self>> {
         if !plan.any(|s| s.light) {
             return Ok(None);
         }
-        let styles = plan.styles.iter().zip(&mix.styles);
-        let shadows = styles.filter(|(plan, _)| plan.shadow);
-        let shadings: Vec<_> = shadows.map(|(_, style)| style.shading).collect();
-        let texels = shadings.iter().map(|s| s.shadow_texels).max().unwrap_or(1);
-        let reach = shadings.iter().map(|s| s.shadow_radius).fold(1.0, f32::max);
-        let shadowed = !shadings.is_empty();
-        let switches = [(0, u32::from(shadowed)), (1, u32::from(plan.is_mixed()))];
+        let map = SunMap::new(scene, &mix.styles, view);
+        let mixed = u32::from(plan.is_mixed());
+        let shadow = plan
+            .any(|s| s.shadow)
+            .then(|| Shadow::new(gpu, map.texels, (mixed, scene.plant.leaves.len())));
+        let switches = [(0, u32::from(shadow.is_some())), (1, mixed)];
+        let size = view.size;
         let image = ImageInfo::storage("ink light", Format::Rgba16Float, size);
         Ok(Some(Self {
-            shadow: shadowed.then(|| Shadow::new(gpu, texels)).transpose()?,
-            texels,
-            reach,
+            shadow: shadow.transpose()?,
+            map,
             kernel: gpu.compute_pipeline_with(shaders::LIGHT_COMP, &switches)?,
             image: gpu.image(image)?,
         }))
     }
-
-    /// With the filter of a style that has the same map.
-    pub(super) fn filtered(mut self, style: &Style) -> Self {
-        self.reach = style.shading.shadow_radius;
-        self
-    }
 }
 
 impl Shadow {
-    fn new(gpu: &Gpu, texels: u32) -> Result<Self> {
+    fn new(gpu: &Gpu, texels: u32, (mixed, leaves): (u32, usize)) -> Result<Self> {
         let pipeline = |name, vertex, fragment| {
             gpu.graphics_pipeline(&GraphicsPipelineInfo {
                 name,
@@ -101,15 +97,22 @@ impl Shadow {
                 fragment: Some(fragment),
                 depth_format: Some(Format::Depth32),
                 depth_bias: Some(SHADOW_BIAS),
+                specialization: &[(6, mixed)],
                 ..GraphicsPipelineInfo::default()
             })
         };
         let bytes = size_of::<InkFrame>() as u64;
+        let indices = (leaves.max(1) * INDICES * size_of::<u32>()) as u64;
         let map = ImageInfo::target("ink sun map", Format::Depth32, [texels; 2], 1);
         Ok(Self {
             map: gpu.image(map)?,
             frame: gpu.buffer(BufferInfo::device("ink sun frame", bytes))?,
-            leaves: pipeline("ink sun leaves", shaders::LEAF_VERT, shaders::SUN_LEAF_FRAG)?,
+            order: gpu.buffer(BufferInfo::device("ink sun order", indices))?,
+            leaves: pipeline(
+                "ink sun leaves",
+                shaders::SUN_LEAF_VERT,
+                shaders::SUN_LEAF_FRAG,
+            )?,
             wood: pipeline("ink sun wood", shaders::WOOD_VERT, shaders::SUN_WOOD_FRAG)?,
         })
     }

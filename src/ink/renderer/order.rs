@@ -9,6 +9,7 @@ use super::frame::InkScene;
 use super::styles::Styles;
 use crate::abi::INK_FADE;
 use crate::ink::leaves::Leaf;
+use crate::ink::plant::Plant;
 use crate::ink::style::Style;
 use crate::ink::view::View;
 
@@ -25,38 +26,42 @@ pub(super) struct Order {
     pub(super) batches: Vec<(u32, Range<u32>)>,
 }
 
+/// Leaves that the styles keep in a view, in the plant's order.
+pub(super) fn drawn(scene: &InkScene<'_>, styles: &Styles, view: &View, factor: u32) -> Vec<u32> {
+    let placements = styles.regions.placements(scene.plant, view);
+    let share = |style: &Style| Styles::detail(style, scene, view, factor).kept;
+    // Leaves fade in at the end of those that are kept.
+    let shares = styles
+        .mix
+        .styles
+        .iter()
+        .map(|s| share(s) * (1.0 + INK_FADE));
+    let shares: Vec<f32> = shares.collect();
+    let kept = (0..).zip(&placements);
+    let kept = kept.filter(|(_, p)| p.rank < shares[p.style as usize]);
+    kept.map(|(leaf, _)| leaf).collect()
+}
+
 impl Order {
-    /// The leaves that the styles keep, those of one material after the other.
-    pub(super) fn new(scene: &InkScene<'_>, styles: &Styles, view: &View, factor: u32) -> Self {
-        let placements = styles.regions.placements(scene.plant, view);
-        let share = |style: &Style| Styles::detail(style, scene, view, factor).kept;
-        // Leaves fade in at the end of those that are kept.
-        let shares = styles
-            .mix
-            .styles
-            .iter()
-            .map(|s| share(s) * (1.0 + INK_FADE));
-        let shares: Vec<f32> = shares.collect();
-        let kept = |leaf: usize| {
-            let p = &placements[leaf];
-            p.rank < shares[p.style as usize]
-        };
-        let plant = scene.plant;
-        Self::sorted(&plant.leaves, &plant.batches, view.camera.forward, kept)
+    /// The `drawn` leaves, those of one material after the other, the nearest to who looks along
+    /// `forward` first.
+    pub(super) fn new(plant: &Plant, drawn: &[u32], forward: DVec3) -> Self {
+        Self::sorted(&plant.leaves, &plant.batches, drawn, forward)
     }
 
     fn sorted(
         leaves: &[Leaf],
         batches: &[(u32, Range<u32>)],
+        drawn: &[u32],
         forward: DVec3,
-        kept: impl Fn(usize) -> bool,
     ) -> Self {
         let forward = forward.as_vec3();
         let mut out = Self::default();
         for (material, range) in batches {
-            let near = range.clone().filter(|&i| kept(i as usize));
-            let mut keys: Vec<u64> = near
-                .map(|i| {
+            let part = |end: u32| drawn.partition_point(|&leaf| leaf < end);
+            let mut keys: Vec<u64> = drawn[part(range.start)..part(range.end)]
+                .iter()
+                .map(|&i| {
                     let depth = leaves[i as usize].centre.dot(forward);
                     u64::from(ascending(depth)) << 32 | u64::from(i)
                 })
@@ -106,7 +111,7 @@ mod tests {
         };
         let leaves = [at(3.0), at(1.0), at(2.0), at(5.0), at(4.0), at(6.0)];
         let batches = [(7, 0..3), (8, 3..5), (9, 5..6)];
-        let order = Order::sorted(&leaves, &batches, DVec3::Z, |i| i != 5 && i != 2);
+        let order = Order::sorted(&leaves, &batches, &[0, 1, 3, 4], DVec3::Z);
         let drawn: Vec<u32> = order.indices.chunks(INDICES).map(|c| c[0] / 6).collect();
         assert_eq!(drawn, [1, 0, 4, 3]);
         assert_eq!(

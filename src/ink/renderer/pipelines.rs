@@ -4,7 +4,6 @@ use crate::Result;
 use crate::gpu::shaders::ink as shaders;
 use crate::gpu::{ComputePipeline, Format, Gpu, GraphicsPipeline, GraphicsPipelineInfo, Shader};
 use crate::ink::mix::MixPlan;
-use crate::ink::plan::Attribute;
 
 /// Fragment shaders for one to six targets.
 const LEAF_FRAGMENTS: [Shader; 6] = [
@@ -32,11 +31,16 @@ pub(super) struct Stage1Pipelines {
 }
 
 impl Stage1Pipelines {
-    /// For the given attributes.
-    pub(super) fn new(gpu: &Gpu, attributes: &[Attribute]) -> Result<Self> {
+    /// For the attributes of a plan.
+    pub(super) fn new(gpu: &Gpu, plan: &MixPlan) -> Result<Self> {
+        let attributes = plan.attributes();
         let formats: Vec<Format> = attributes.iter().map(|a| a.format()).collect();
         let numbers = attributes.iter().map(|a| a.number());
-        let channels: Vec<(u32, u32)> = (0..).zip(numbers).collect();
+        let all = attributes.iter().map(|a| 1 << a.number()).sum();
+        let channels: Vec<(u32, u32)> = (0..)
+            .zip(numbers)
+            .chain([(6, u32::from(plan.is_mixed())), (7, all)])
+            .collect();
         let pipeline = |name, vertex, fragments: [Shader; 6]| {
             gpu.graphics_pipeline(&GraphicsPipelineInfo {
                 name,

@@ -9,8 +9,13 @@ use crate::ink::view::View;
 use crate::scene::{AlphaMode, Material, Model};
 
 impl InkRenderer {
-    pub(super) fn stage1(&self, work: &mut Work, scene: &InkScene<'_>, view: &View) -> Result<()> {
-        let order = Order::new(scene, &self.styles, view, self.factor);
+    pub(super) fn stage1(
+        &self,
+        work: &mut Work,
+        (scene, drawn): (&InkScene<'_>, &[u32]),
+        view: &View,
+    ) -> Result<()> {
+        let order = Order::new(scene.plant, drawn, view.camera.forward);
         work.upload("ink order", &self.order, &order.indices)?;
         let u = &self.uploads;
         let leaf_set = self.leaf_set(&self.frame);
