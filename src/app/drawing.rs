@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::prepared::Prepared;
 use super::timing::Timings;
-use super::{Context, clusters};
+use super::{Context, branches, clusters};
 use crate::Result;
 use crate::foliage::{Bake, Leaves, Primitive};
 use crate::ink::leaves::LeafTriangles;
@@ -52,6 +52,13 @@ pub fn plant(
             clusters::gather(&context.cache(), c, r, choice)
         })
     })?;
+    let hatched = mix.styles.iter().any(|s| s.hatching.strength > 0.0);
+    if hatched && !mix.styles[0].bodies.smooth {
+        let wood = plant.wood_indices(geometry);
+        plant.branches = Some(timings.measure("axes of branches", || {
+            branches::find(&context.cache(), &geometry.positions, &wood)
+        }));
+    }
     name_objects(&mut plant, prepared);
     Ok(plant)
 }

@@ -3,6 +3,7 @@
 pub mod animation;
 pub mod bake;
 pub mod bake_file;
+pub mod branches;
 pub mod cache;
 pub mod cli;
 pub mod clusters;

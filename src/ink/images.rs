@@ -15,12 +15,10 @@ pub(super) fn wood_hatching(g: &Geometry, plant: &Plant, wanted: bool) -> Vec<[f
     if !wanted {
         return vec![[0.0; 4]; g.positions.len()];
     }
-    let ranges = plant
-        .wood
-        .iter()
-        .map(|w| w.2.start as usize..w.2.end as usize);
-    let indices: Vec<u32> = ranges.flat_map(|r| &g.indices[r]).copied().collect();
-    Branches::new(&g.positions, &indices).hatch
+    match &plant.branches {
+        Some(known) => known.hatch.clone(),
+        None => Branches::new(&g.positions, &plant.wood_indices(g)).hatch,
+    }
 }
 
 pub(super) fn filled_image(

@@ -6,6 +6,7 @@ use std::collections::hash_map::Entry;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::bodies::Bodies;
+use super::branches::Branches;
 use super::clusters::{Choice, Clusters};
 use super::leaves::{Leaf, LeafTriangles, leaves};
 use super::shape::Shape;
@@ -48,6 +49,8 @@ pub struct Plant {
     pub batches: Vec<(u32, std::ops::Range<u32>)>,
     /// Index ranges of the geometry that are no leaves, with material and instance.
     pub wood: Vec<(usize, usize, std::ops::Range<u32>)>,
+    /// Axes of the wood, where they are known already; who needs them finds them otherwise.
+    pub branches: Option<Branches>,
     /// Smooth bodies, where the style has them instead of wood; their clusters stand behind those
     /// of the leaves, too.
     pub bodies: Bodies,
@@ -139,6 +142,7 @@ impl Plant {
             } else {
                 wood
             },
+            branches: None,
             bodies,
             first_body_cluster,
             leaves: found,
@@ -169,6 +173,16 @@ impl Plant {
         }
         let middle = |object: &Option<u32>| sums.get(object).map_or(DVec3::ZERO, |s| s.0 / s.1);
         object_of.iter().map(middle).collect()
+    }
+
+    /// Indices of the wood's triangles.
+    #[must_use]
+    pub fn wood_indices(&self, geometry: &Geometry) -> Vec<u32> {
+        let ranges = self
+            .wood
+            .iter()
+            .map(|w| w.2.start as usize..w.2.end as usize);
+        ranges.flat_map(|r| &geometry.indices[r]).copied().collect()
     }
 
     /// Clusters of a style.

@@ -11,14 +11,12 @@ use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::prepared::Prepared;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
-use crate::app::{Context, Report, console};
-use crate::foliage::{Bake, Leaves, Primitive};
+use crate::app::{Context, Report, console, drawing};
+use crate::foliage::Bake;
 use crate::ink::blend;
-use crate::ink::leaves::LeafTriangles;
 use crate::ink::mix::Mix;
 use crate::ink::mix::short;
 use crate::ink::plan::InkPlan;
-use crate::ink::plant::{CrownLight, Plant};
 use crate::ink::renderer::{InkRenderer, InkScene};
 use crate::ink::style::Style;
 use crate::ink::view::View;
@@ -115,33 +113,9 @@ fn draw(
     timings: &mut Timings,
 ) -> Result<Picture> {
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
-    let split = if style.bodies.smooth {
-        prepared.split_with_or_without()?
-    } else {
-        prepared.split()?
-    };
     let (model, geometry) = (&prepared.input.model, &prepared.geometry);
-    let plant = timings.measure("leaves and clusters", || {
-        let indices = &split.foliage_indices;
-        let leaves = Leaves::new(&geometry.positions, indices, Primitive::Leaf);
-        let triangles = LeafTriangles {
-            indices,
-            first: &leaves.first,
-            triangles: &leaves.triangles,
-        };
-        let light = baked.map(|b| CrownLight {
-            normals: &b.normals,
-            ambient: &b.ambient,
-        });
-        Plant::new(
-            model,
-            geometry,
-            triangles,
-            &split.foliage_parts,
-            light,
-            std::slice::from_ref(style),
-        )
-    })?;
+    let mix = Mix::single(style.clone());
+    let plant = drawing::plant(context, prepared, baked, &mix, timings)?;
     // A mean of two numbers of objects is no object.
     let factor = match args.ink.ink_view {
         Some(_) => 1,
@@ -163,7 +137,6 @@ fn draw(
         plant: &plant,
     };
     let renderer = timings.measure("upload", || {
-        let mix = Mix::single(style.clone());
         InkRenderer::new(context.gpu()?, &scene, &mix, &view, factor)
     })?;
     let Some(which) = args.ink.ink_view else {
