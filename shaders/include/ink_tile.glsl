@@ -8,15 +8,19 @@
 // Tones over which a stroke comes in, on both sides of its own.
 const float INK_SOFT = 0.03;
 
+// Levels lie below each other in one image: not every device looks up neighbouring pixels in
+// different levels of a texture.
 float ink_of_texel(sampler2D tiles, ivec2 at, int level, float darkness) {
-    ivec2 size = textureSize(tiles, level);
-    float threshold = texelFetch(tiles, at & (size - 1), level).r;
+    int size = int(INK_TILE) >> level;
+    int first = 2 * (int(INK_TILE) - size);
+    ivec2 inside = at & (size - 1);
+    float threshold = texelFetch(tiles, ivec2(inside.x, first + inside.y), 0).r;
     float soft = min(INK_SOFT, darkness);
     return threshold < 0.999 ? smoothstep(-soft, soft, darkness - threshold) : 0.0;
 }
 
 float ink_of_level(sampler2D tiles, vec2 place, int level, float darkness) {
-    vec2 at = place * vec2(textureSize(tiles, level)) - 0.5;
+    vec2 at = place * float(int(INK_TILE) >> level) - 0.5;
     ivec2 low = ivec2(floor(at));
     vec2 f = at - vec2(low);
     float top = mix(ink_of_texel(tiles, low, level, darkness),

@@ -38,6 +38,21 @@ uint steps_to_contour(ivec2 pixel, vec2 outward, float object) {
     return found;
 }
 
+// The strokes, repeated along and clamped across, between texels by exact weights: those of a
+// sampler have a few bits, and not the same on every device.
+vec4 strokes_at(vec2 at) {
+    ivec2 size = textureSize(strokes, 0);
+    vec2 place = vec2(fract(at.x), at.y) * vec2(size) - 0.5;
+    vec2 low = floor(place);
+    vec2 f = place - low;
+    ivec2 first = ivec2(low);
+    ivec2 x = ivec2(first.x < 0 ? size.x - 1 : first.x, first.x + 1 < size.x ? first.x + 1 : 0);
+    ivec2 y = clamp(ivec2(first.y, first.y + 1), ivec2(0), ivec2(size.y - 1));
+    vec4 top = mix(texelFetch(strokes, ivec2(x.x, y.x), 0), texelFetch(strokes, ivec2(x.y, y.x), 0), f.x);
+    vec4 bottom = mix(texelFetch(strokes, ivec2(x.x, y.y), 0), texelFetch(strokes, ivec2(x.y, y.y), 0), f.x);
+    return mix(top, bottom, f.y);
+}
+
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= int(push.width) || pixel.y >= int(push.height)) {
@@ -66,7 +81,7 @@ void main() {
             float around = 6.28318531 * push.aspect * cluster.pixel_radius / push.band_length;
             float repeats = max(1.0, floor(around + 0.5));
             vec2 at = vec2(repeats * angle / 6.28318531, (float(steps) + 0.5) / push.reach);
-            vec4 channels = textureLod(strokes, at, 0.0);
+            vec4 channels = strokes_at(at);
             float shade = 3.0 * clamp(texelFetch(tone_map, pixel, 0).w, 0.0, 1.0);
             uint first = uint(floor(shade + (push.blend != 0u ? 0.0 : 0.5)));
             float next = channels[min(first + 1u, 3u)];

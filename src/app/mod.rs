@@ -12,6 +12,7 @@ pub mod command;
 pub mod conform;
 pub mod console;
 pub mod context;
+pub mod differ;
 pub mod drawing;
 pub mod film;
 pub mod input;

@@ -61,15 +61,24 @@ pub(super) fn band_image(gpu: &Gpu, style: &Style) -> Result<Image> {
     )
 }
 
+/// Levels of a tile below each other: the finest, then each of half the edge.
 pub(super) fn tile_image(gpu: &Gpu, style: &Style) -> Result<Image> {
     let tile = tile_of(style)?;
-    let levels: Vec<&[u8]> = tile.levels.iter().map(Vec::as_slice).collect();
+    let edge = INK_TILE as usize;
+    let mut texels = Vec::with_capacity(2 * edge * edge);
+    for (level, rows) in tile.levels.iter().enumerate() {
+        for row in rows.chunks_exact(edge >> level) {
+            texels.extend_from_slice(row);
+            texels.resize(texels.len().next_multiple_of(edge), 0);
+        }
+    }
     debug_assert_eq!(
-        levels.len(),
+        tile.levels.len(),
         INK_LEVELS as usize,
-        "a texture of as many levels"
+        "an image of as many levels"
     );
-    filled_image(gpu, "hatching", Format::R8Unorm, [INK_TILE; 2], &levels)
+    let extent = [INK_TILE, (texels.len() / edge) as u32];
+    filled_image(gpu, "hatching", Format::R8Unorm, extent, &[&texels])
 }
 
 /// The base colour of every material; white where it has no texture.

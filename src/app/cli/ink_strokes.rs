@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::InputArgs;
+use super::chosen::Chosen;
+use super::tables::{FoliageTable, PictureTable};
+
 /// Arguments of `ink`.
 #[derive(Debug, Args)]
 pub struct InkCommandArgs {
@@ -20,6 +24,7 @@ Examples:
   umbrage ink strokes my-style.toml -o tones.png --what tones    to look at
   umbrage ink strokes silhouette-hatching -o own.toml            the style with its tile's and band's
                                                                  strokes listed
+  umbrage ink differ grow:shrub --style mixed --other swiftshader
 
 A style reads them back: hatching.tile = \"tile.png\", silhouette.band = \"band.png\".";
 }
@@ -29,6 +34,31 @@ A style reads them back: hatching.tile = \"tile.png\", silhouette.band = \"band.
 pub enum InkPart {
     /// Write the strokes of a style as a picture, or listed in a style file
     Strokes(StrokesArgs),
+    /// Draw one picture on two devices and tell where it differs
+    Differ(Box<DifferArgs>),
+}
+
+/// Arguments of `ink differ`.
+#[derive(Debug, Args)]
+pub struct DifferArgs {
+    /// Of which model.
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// A style or mix, built in or a file
+    #[arg(long, value_name = "STYLE|FILE", default_value = "silhouette-hatching")]
+    pub style: String,
+    /// The second device, as --device names the first
+    #[arg(long, value_name = "DEVICE", default_value = "swiftshader")]
+    pub other: String,
+    /// Pixels drawn for one of the picture, along each axis, 1 to 4
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=4))]
+    pub ink_supersample: u32,
+    /// Settings of the picture.
+    #[command(flatten)]
+    pub picture: Chosen<PictureTable>,
+    /// Settings of the foliage.
+    #[command(flatten)]
+    pub settings: Chosen<FoliageTable>,
 }
 
 /// Arguments of `ink strokes`.

@@ -1,4 +1,4 @@
-//! `umbrage ink strokes`: the strokes of a style as pictures that can be painted over.
+//! `umbrage ink`: the strokes of a style as pictures that can be painted over; two devices compared.
 
 use serde_json::json;
 
@@ -19,13 +19,15 @@ const LEVELS: std::ops::RangeInclusive<u32> = 1..=3;
 /// Pixels between tiles of it.
 const GAP: u32 = 12;
 
-/// Writes strokes.
+/// Writes strokes, or compares devices.
 ///
 /// # Errors
 /// A style or file of it that is wrong, an unwritable output.
-pub fn run(_context: &Context, args: &InkCommandArgs) -> Result<Report> {
-    let InkPart::Strokes(args) = &args.part;
-    strokes(args)
+pub fn run(context: &Context, args: &InkCommandArgs) -> Result<Report> {
+    match &args.part {
+        InkPart::Strokes(args) => strokes(args),
+        InkPart::Differ(args) => super::ink_differ::run(context, args),
+    }
 }
 
 fn strokes(args: &StrokesArgs) -> Result<Report> {

@@ -10,6 +10,7 @@ pub mod grow;
 pub mod info;
 mod info_ink;
 pub mod ink;
+mod ink_differ;
 pub mod leaf;
 pub mod light;
 mod lit_sheet;

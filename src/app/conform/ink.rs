@@ -349,8 +349,8 @@ fn silhouette(gpu: &Gpu, blend: u32, styles: u32) -> Result<Outcome> {
             }
         });
         inked += u32::from(expected > 0.0);
-        // Filters weigh in 256ths or less; strokes are steep.
-        off += u32::from((f64::from(got) - expected).abs() > 0.04);
+        // Strokes are steep.
+        off += u32::from((f64::from(got) - expected).abs() > 0.004);
     }
     // Where a step ends on a pixel's border, rounding decides about one pixel of the way.
     let error = if inked < 100 {

@@ -181,7 +181,39 @@ impl InkRenderer {
         view: &View,
         wanted: &[Attribute],
     ) -> Result<Drawing> {
-        let mut work = self.record(scene, view)?;
+        let work = self.record(scene, view)?;
+        self.read(work, wanted)
+    }
+
+    /// Makes the picture of `from` anew behind stage 1 and its light, of the attributes that were
+    /// read back with it: what another device drew, or a file holds.
+    ///
+    /// # Errors
+    /// Memory runs out or the device is lost.
+    pub fn draw_again(
+        &self,
+        scene: &InkScene<'_>,
+        view: &View,
+        from: &Drawing,
+        wanted: &[Attribute],
+    ) -> Result<Drawing> {
+        let mut work = self.gpu.work(QueueKind::Graphics, "ink again")?;
+        self.upload_view(&mut work, scene, view)?;
+        for (attribute, bytes) in &from.attributes {
+            let image = self.targets.attributes.iter().find(|t| t.0 == *attribute);
+            if let Some((_, image)) = image {
+                work.upload_image(attribute.label(), image, &[bytes])?;
+            }
+        }
+        if let Some(light) = self.light.as_ref().filter(|_| !from.light.is_empty()) {
+            work.upload_image("ink light", &light.image, &[&from.light])?;
+        }
+        self.stage2(&mut work, view)?;
+        self.read(work, wanted)
+    }
+
+    /// Runs `work` and reads the picture back, with what else is wanted.
+    fn read(&self, mut work: Work, wanted: &[Attribute]) -> Result<Drawing> {
         let picture = work.read_image("ink picture", &self.targets.picture)?;
         let mut attributes = Vec::new();
         let mut lines = Vec::new();
@@ -223,21 +255,25 @@ impl InkRenderer {
     /// Records both stages.
     pub(super) fn record(&self, scene: &InkScene<'_>, view: &View) -> Result<Work> {
         let mut work = self.gpu.work(QueueKind::Graphics, "ink")?;
-        let frame = self.styles.frame(scene, view, self.factor);
-        work.upload("ink frame", &self.frame, &[frame])?;
-        work.upload(
-            "ink clusters",
-            &self.clusters,
-            &self.cluster_records(scene, view),
-        )?;
-        let sizes = (self.reference, self.factor);
-        self.styles.upload(&mut work, scene, view, sizes)?;
+        let frame = self.upload_view(&mut work, scene, view)?;
         let drawn = order::drawn(scene, &self.styles, view, self.factor);
         let sun = self.sun_view(scene, view);
         self.sun_map(&mut work, (scene, &drawn), view, (&frame, &sun))?;
         self.stage1(&mut work, (scene, &drawn), view)?;
-        self.stage2(&mut work, view, scene, &sun)?;
+        self.light(&mut work, (scene, view), &sun)?;
+        self.stage2(&mut work, view)?;
         Ok(work)
+    }
+
+    /// What all passes know of a view.
+    fn upload_view(&self, work: &mut Work, scene: &InkScene<'_>, view: &View) -> Result<InkFrame> {
+        let frame = self.styles.frame(scene, view, self.factor);
+        work.upload("ink frame", &self.frame, &[frame])?;
+        let clusters = self.cluster_records(scene, view);
+        work.upload("ink clusters", &self.clusters, &clusters)?;
+        let sizes = (self.reference, self.factor);
+        self.styles.upload(work, scene, view, sizes)?;
+        Ok(frame)
     }
 
     /// The clusters as kernels see them in a view: those of one style after the other.

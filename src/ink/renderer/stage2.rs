@@ -2,7 +2,7 @@
 //! pixels; every kind of pass runs for all styles before the next kind, since a pass reads what
 //! others left around its pixels.
 
-use super::frame::{InkRenderer, InkScene};
+use super::frame::InkRenderer;
 use super::looks::Paints;
 use super::pipelines::Stage2Pipelines;
 use super::styles::half_width;
@@ -17,7 +17,6 @@ use crate::ink::plan::Attribute;
 use crate::ink::style::Style;
 use crate::ink::view::View;
 use crate::math::colour::srgb_to_linear;
-use crate::scene::LightView;
 
 /// Pipelines and textures of the second stage of a style.
 pub(super) struct Stage2 {
@@ -64,14 +63,7 @@ impl Stage2 {
 }
 
 impl InkRenderer {
-    pub(super) fn stage2(
-        &self,
-        work: &mut Work,
-        view: &View,
-        scene: &InkScene<'_>,
-        sun: &LightView,
-    ) -> Result<()> {
-        self.light(work, (scene, view), sun)?;
+    pub(super) fn stage2(&self, work: &mut Work, view: &View) -> Result<()> {
         for style in &self.stage2 {
             self.contour(work, style, view)?;
         }
