@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use glam::{DVec3, Vec3};
+
 use super::cli::motion::MotionArgs;
 use super::console;
 use super::output::{PendingFile, check_apart, check_ending};
 use crate::render::{Picture, RenderSettings};
 use crate::scene::camera_path::PathSpec;
-use crate::scene::{CameraPath, Geometry, Lens};
+use crate::scene::{CameraPath, CameraSpec, Geometry, Lens};
 use crate::{Error, Result};
 
 /// Frames to draw: which, along which way, into which files.
@@ -60,9 +62,23 @@ impl Numbered {
         })
     }
 
+    /// Of a single frame: the name as it is.
+    fn alone(output: &Path) -> Self {
+        let name = output.file_name().unwrap_or_default();
+        Self {
+            folder: output.parent().map(Path::to_owned).unwrap_or_default(),
+            before: name.to_string_lossy().into_owned(),
+            digits: 0,
+            after: String::new(),
+        }
+    }
+
     fn path(&self, frame: u32) -> PathBuf {
         let Self { before, after, .. } = self;
         let digits = self.digits;
+        if digits == 0 {
+            return self.folder.join(before);
+        }
         self.folder.join(format!("{before}{frame:0digits$}{after}"))
     }
 }
@@ -73,13 +89,27 @@ impl Animation {
     /// # Errors
     /// A way or a name that is none, a file that cannot be read or written.
     pub fn new(args: &MotionArgs, output: &Path) -> Result<Option<Self>> {
+        Self::of_files(args, output, &["png", "jpg", "jpeg"])
+    }
+
+    /// As [`Animation::new`], for files that end in one of `endings`. A single frame needs no
+    /// place for its number.
+    ///
+    /// # Errors
+    /// As [`Animation::new`].
+    pub fn of_files(args: &MotionArgs, output: &Path, endings: &[&str]) -> Result<Option<Self>> {
         let Some(text) = &args.camera_path else {
             return Ok(None);
         };
         let spec = PathSpec::named(text, args.fps)?;
-        check_ending(output, &["png", "jpg", "jpeg"])?;
-        let names = Numbered::new(output)?;
+        check_ending(output, endings)?;
         let frames = args.frames.map(|f| (f.first, f.last));
+        let plain = !output.to_string_lossy().contains('%');
+        let names = if plain && frames.is_some_and(|(first, last)| first == last) {
+            Numbered::alone(output)
+        } else {
+            Numbered::new(output)?
+        };
         let first = names.path(frames.map_or(0, |f| f.0));
         check_apart(&first, spec.file())?;
         let reserved = Some(PendingFile::create(&first)?);
@@ -102,9 +132,22 @@ impl Animation {
             margin: settings.margin,
         };
         let points = geometry.positions.iter().copied();
-        let path = self
-            .spec
-            .resolve(&settings.camera, lens, geometry.origin, points);
+        self.path_about(&settings.camera, lens, geometry.origin, points)
+    }
+
+    /// The way about `points` (relative to `origin`), which begins where `start` sees them through
+    /// `lens`.
+    ///
+    /// # Errors
+    /// Frames are asked for that the way does not have.
+    pub fn path_about(
+        &self,
+        start: &CameraSpec,
+        lens: Lens,
+        origin: DVec3,
+        points: impl Iterator<Item = Vec3> + Clone,
+    ) -> Result<CameraPath> {
+        let path = self.spec.resolve(start, lens, origin, points);
         match self.frames {
             Some((_, last)) if last > path.last() => Err(Error::usage(format!(
                 "--frames: there is no frame {last}; the last of {} is {}",
@@ -121,9 +164,21 @@ impl Animation {
     /// # Errors
     /// What `draw` says, or a file that cannot be written; frames before it stay.
     pub fn write(
-        mut self,
+        self,
         path: &CameraPath,
         mut draw: impl FnMut(u32) -> Result<Picture>,
+    ) -> Result<Vec<PathBuf>> {
+        self.write_bytes(path, |frame, path| encoded(&draw(frame)?, path))
+    }
+
+    /// As [`Animation::write`], of files whose bytes `draw` makes.
+    ///
+    /// # Errors
+    /// As [`Animation::write`].
+    pub fn write_bytes(
+        mut self,
+        path: &CameraPath,
+        mut draw: impl FnMut(u32, &Path) -> Result<Vec<u8>>,
     ) -> Result<Vec<PathBuf>> {
         let (first, last) = self.frames.unwrap_or((0, path.last()));
         let working = console::working("drawing");
@@ -140,9 +195,9 @@ impl Animation {
                 Some(file) => file,
                 None => PendingFile::create(&self.names.path(frame))?,
             };
-            let picture = draw(frame)?;
             let path = file.path().to_owned();
-            file.commit(&encoded(&picture, &path)?)?;
+            let bytes = draw(frame, &path)?;
+            file.commit(&bytes)?;
             files.push(path);
         }
         Ok(files)

@@ -51,6 +51,25 @@ impl Timings {
         result
     }
 
+    /// Adds the samples of other timings.
+    pub fn append(&mut self, other: Self) {
+        for stage in other.stages {
+            for sample in stage.milliseconds {
+                self.add(&stage.label, &stage.place, sample);
+            }
+        }
+    }
+
+    /// Sum of the medians of the stages on the device whose labels `counts` takes, milliseconds.
+    #[must_use]
+    pub fn device_sum(&self, counts: impl Fn(&str) -> bool) -> f64 {
+        let device = self.stages.iter().filter(|s| s.place != "cpu");
+        device
+            .filter(|s| counts(&s.label))
+            .map(|s| median(&s.milliseconds))
+            .sum()
+    }
+
     /// Whether there is any sample.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -109,6 +109,17 @@ impl View {
         (at, depth)
     }
 
+    /// The point of the geometry's frame that is seen at a place of the picture (pixels, y down)
+    /// at a depth: the inverse of [`View::pixel`].
+    #[must_use]
+    pub fn point(&self, pixel: DVec2, depth: f64) -> DVec3 {
+        let [right, up, _] = self.camera.basis();
+        let [w, h] = self.size.map(f64::from);
+        let scale = depth / self.focal();
+        let across = (pixel.x - 0.5 * w) * right + (0.5 * h - pixel.y) * up;
+        self.eye() + depth * self.camera.forward + scale * across
+    }
+
     /// Angles (radians) on a sphere about its front point along the axes of the eye's view of it,
     /// for a pixel to the right and one upwards: the inverse of how the picture shows the sphere
     /// there, exact also beside the picture's middle.

@@ -53,6 +53,8 @@ mod model_fixture;
 mod models;
 mod models_damage;
 mod paper;
+mod paper_frames;
+mod paper_lines;
 mod paper_modulation;
 mod paper_round;
 mod paper_stems;

@@ -186,7 +186,7 @@ fn wrong_papers_styles_and_models_are_refused() {
     ask(&["--style", "ds00-fig9"], &["ds00-fig9", "ds00-fig3a"]);
     ask(
         &["--style", "ds00-fig3a", "--camera-path", "orbit"],
-        &["--camera-path", "paper"],
+        &["x.svg", "%04d"],
     );
     ask(
         &["--style", "ds00-fig3a", "--profile", "laser"],

@@ -66,7 +66,7 @@ pub struct RenderArgs {
     /// Options of models.
     #[command(flatten)]
     pub model: ModelArgs,
-    /// Picture to write (PNG, or JPEG by its extension; a drawing on paper also as SVG)
+    /// Picture to write (PNG, or JPEG by its extension; a drawing on paper also as SVG or PDF)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// What is shown: textured (the finished picture), standard, ambient, direct, combined,
@@ -266,7 +266,8 @@ pub struct BenchArgs {
     /// View of `bench render`
     #[arg(long, default_value = "textured")]
     pub view: View,
-    /// Styles of `bench ink`, the style of `bench coherence`
+    /// Styles of `bench ink`, the style of `bench coherence`, styles of `bench paper` (its default
+    /// is ds00-fig6a)
     #[arg(
         long,
         value_name = "STYLE|FILE,..",
@@ -295,6 +296,8 @@ pub enum BenchWhat {
     Rays,
     /// Frames in pen and ink beside the photo-like picture.
     Ink,
+    /// Stages of drawings on paper, as bitmaps and as vectors.
+    Paper,
     /// How hatching stays on what moves and keeps its look on the screen.
     Coherence,
 }
@@ -308,6 +311,7 @@ Examples:
   umbrage bench light oak.glb --size 800x600
   umbrage bench rays oak.glb
   umbrage bench ink oak.glb --style outline,silhouette-hatching
+  umbrage bench paper oak.glb --style ds00-fig3a,ds00-fig6f
   umbrage bench coherence oak.glb --size 480x360";
 }
 

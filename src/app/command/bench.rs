@@ -24,6 +24,7 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
         BenchWhat::Light => return super::bench_light::run(context, args),
         BenchWhat::Rays => return super::bench_rays::run(context, args),
         BenchWhat::Ink => return super::bench_ink::run(context, args),
+        BenchWhat::Paper => return super::bench_paper::run(context, args),
         BenchWhat::Coherence => return crate::app::coherence::run(context, args),
         BenchWhat::Bake | BenchWhat::Render => {}
     }

@@ -4,6 +4,7 @@ pub mod bake;
 pub mod bench;
 pub mod bench_ink;
 pub mod bench_light;
+pub mod bench_paper;
 pub mod bench_rays;
 pub mod conform;
 pub mod grow;

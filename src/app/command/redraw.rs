@@ -20,19 +20,25 @@ struct Metadata {
 /// Options whose value is another's when a drawing is drawn again.
 const OUTPUT: [&str; 2] = ["-o", "--output"];
 
-/// The arguments of `render`, without the output.
-pub(super) fn arguments(all: impl Iterator<Item = String>) -> Vec<String> {
+/// The arguments of `render`, without the output; of a sequence those of one frame.
+pub(super) fn arguments(all: impl Iterator<Item = String>, frame: Option<u32>) -> Vec<String> {
     let mut out = Vec::new();
     let mut all = all.skip(1);
     while let Some(argument) = all.next() {
-        if OUTPUT.contains(&argument.as_str()) {
+        if OUTPUT.contains(&argument.as_str()) || argument == FRAMES {
             all.next();
-        } else if !argument.starts_with("--output=") {
+        } else if !argument.starts_with("--output=") && !argument.starts_with("--frames=") {
             out.push(argument);
         }
     }
+    if let Some(frame) = frame {
+        out.extend([FRAMES.to_owned(), format!("{frame}..{frame}")]);
+    }
     out
 }
+
+/// The option that chooses frames of a sequence.
+const FRAMES: &str = "--frames";
 
 /// The arguments and the style of the drawing `path`, to be written to the output of `args`.
 ///
@@ -102,7 +108,11 @@ mod tests {
             "--output",
             "c",
         ];
-        let kept = arguments(line.iter().map(ToString::to_string));
+        let given = |line: &[&str]| line.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let kept = arguments(given(&line).into_iter(), None);
         assert_eq!(kept, ["render", "a.glb", "--style", "ds00-fig3a"]);
+        let line = ["umbrage", "render", "--frames", "2..9", "-o", "f%d.svg"];
+        let kept = arguments(given(&line).into_iter(), Some(4));
+        assert_eq!(kept, ["render", "--frames", "4..4"]);
     }
 }

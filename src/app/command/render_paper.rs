@@ -1,10 +1,14 @@
 //! `umbrage render --style` with a style of drawings on paper: a bitmap at once, or vectors (SVG).
 
+use std::path::Path;
+
+use glam::Vec3;
 use serde_json::json;
 
 use super::redraw;
-use super::render::encode;
+use super::render::{encode, frames_report};
 use super::render_ink::reduced_pixels;
+use crate::app::animation::Animation;
 use crate::app::cli::RenderArgs;
 use crate::app::output::{PendingFile, check_apart, check_ending};
 use crate::app::prepared::Prepared;
@@ -13,25 +17,30 @@ use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::foliage::{Leaves, Primitive};
 use crate::ink::leaves::{LeafTriangles, leaves};
-use crate::ink::paper::drawing::{Order, drawing};
+use crate::ink::paper::anchored::cell_of;
+use crate::ink::paper::drawing::{Order, sort, traced};
 use crate::ink::paper::fit::FitSettings;
 use crate::ink::paper::laid::{lay, strokes_of};
 use crate::ink::paper::particles::{Particle, ground, particles};
+use crate::ink::paper::pdf::pdf;
 use crate::ink::paper::renderer::{Bitmap, PaperRenderer, PaperScene};
 use crate::ink::paper::stems::{Told, drawn_stems, known_orders};
 use crate::ink::paper::style::PaperStyle;
 use crate::ink::paper::svg::Drawing;
+use crate::ink::paper::vectors::StrokePlaces;
 use crate::ink::view::View;
 use crate::math::colour::srgb_to_linear;
 use crate::render::RenderSettings;
 use crate::scene::{Camera, Lens};
 use crate::{Error, Result};
 
+/// Files that drawings are written as.
+const ENDINGS: [&str; 5] = ["svg", "pdf", "png", "jpg", "jpeg"];
 /// Turns sharper than this stay corners in curves, radians.
 const CORNER: f64 = 1.2;
 
 /// What is drawn, ready for the device.
-struct Subject {
+pub(super) struct Subject {
     prepared: Prepared,
     stems: Vec<u32>,
     told: Told,
@@ -44,19 +53,18 @@ struct Subject {
 /// # Errors
 /// Wrong input, style or settings, a model without leaves, a failing device.
 pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Result<Report> {
-    if args.motion.camera_path.is_some() {
-        return Err(Error::usage(
-            "--camera-path: styles on paper draw one picture; give a --camera",
-        ));
-    }
     args.ink.change(&mut style)?;
     picture_settings(None, &args.picture)?;
-    check_ending(&args.output, &["svg", "png", "jpg", "jpeg"])?;
+    check_ending(&args.output, &ENDINGS)?;
     let [source] = args.inputs.as_slice() else {
         return Err(Error::usage("--style: takes one model"));
     };
     check_apart(&args.output, source.files(&args.model.textures))?;
-    let output = PendingFile::create(&args.output)?;
+    let animation = Animation::of_files(&args.motion, &args.output, &ENDINGS)?;
+    let output = match animation {
+        Some(_) => None,
+        None => Some(PendingFile::create(&args.output)?),
+    };
     let mut timings = Timings::default();
     let pattern = args.model.foliage.as_deref();
     let prepared = Prepared::new(
@@ -68,17 +76,24 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
     )?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let subject = subject(prepared, &style, &mut timings)?;
+    if let Some(animation) = animation {
+        return frames(
+            context,
+            args,
+            style,
+            (&subject, &settings),
+            animation,
+            timings,
+        );
+    }
     let _working = console::working("drawing");
-    let vectors = args
-        .output
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("svg"));
-    let (bytes, report) = if vectors {
-        vector(context, &style, &subject, &settings, &mut timings)?
-    } else {
-        bitmap(context, args, style, &subject, &settings, &mut timings)?
-    };
-    output.commit(&bytes)?;
+    let kind = (args.output.as_path(), args.ink.ink_supersample);
+    let board = Board::new(context, kind, style, (&subject, &settings), &mut timings)?;
+    let view = subject.view(&settings, board.size, None);
+    let (bytes, report) = board.draw(&view, None, &args.output, &mut timings)?;
+    if let Some(output) = output {
+        output.commit(&bytes)?;
+    }
     let mut text = format!(
         "{}: {}, {} primitives, branches by {}\n",
         args.output.display(),
@@ -98,7 +113,11 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
     Ok(Report::new(text, json))
 }
 
-fn subject(prepared: Prepared, style: &PaperStyle, timings: &mut Timings) -> Result<Subject> {
+pub(super) fn subject(
+    prepared: Prepared,
+    style: &PaperStyle,
+    timings: &mut Timings,
+) -> Result<Subject> {
     let split = prepared.split()?;
     let geometry = &prepared.geometry;
     let particles = timings.measure("particles", || {
@@ -135,6 +154,11 @@ fn subject(prepared: Prepared, style: &PaperStyle, timings: &mut Timings) -> Res
 }
 
 impl Subject {
+    /// How many particles are drawn.
+    pub(super) fn primitives(&self) -> usize {
+        self.particles.len()
+    }
+
     fn scene(&self) -> PaperScene<'_> {
         PaperScene {
             geometry: &self.prepared.geometry,
@@ -144,51 +168,201 @@ impl Subject {
         }
     }
 
-    fn view(&self, settings: &RenderSettings, size: [u32; 2]) -> View {
-        let geometry = &self.prepared.geometry;
-        let lens = Lens {
-            fov: settings.fov,
-            aspect: f64::from(size[0]) / f64::from(size[1]),
-            margin: settings.margin,
-        };
-        // The ground is seen whole too.
+    /// Everything that is seen whole: the plants, and the ground.
+    fn points(&self) -> impl Iterator<Item = Vec3> + Clone {
         let ground = self.particles[self.leaves..].iter().map(|p| p.centre);
-        let points = geometry.positions.iter().copied().chain(ground);
-        let camera = Camera::new(&settings.camera, lens, geometry.origin, points);
+        self.prepared
+            .geometry
+            .positions
+            .iter()
+            .copied()
+            .chain(ground)
+    }
+
+    /// From `camera`, or from where the settings say.
+    pub(super) fn view(
+        &self,
+        settings: &RenderSettings,
+        size: [u32; 2],
+        camera: Option<Camera>,
+    ) -> View {
+        let geometry = &self.prepared.geometry;
+        let camera = camera.unwrap_or_else(|| {
+            let lens = lens(settings, size);
+            Camera::new(&settings.camera, lens, geometry.origin, self.points())
+        });
         let to_sun = settings.sun.direction().as_vec3();
         View::new(camera, geometry.origin, size, to_sun, &geometry.positions)
     }
 }
 
-/// The bytes of the file, and what to say of it in words and as JSON.
+fn lens(settings: &RenderSettings, size: [u32; 2]) -> Lens {
+    Lens {
+        fov: settings.fov,
+        aspect: f64::from(size[0]) / f64::from(size[1]),
+        margin: settings.margin,
+    }
+}
+
+/// Draws and writes the frames along the camera's way. Primitives keep the size that they have
+/// where the way begins, and strokes of hatching the places on what they lie on.
+fn frames(
+    context: &Context,
+    args: &RenderArgs,
+    mut style: PaperStyle,
+    (subject, settings): (&Subject, &RenderSettings),
+    animation: Animation,
+    mut timings: Timings,
+) -> Result<Report> {
+    style.vector.strokes = StrokePlaces::Anchored;
+    let kind = (args.output.as_path(), args.ink.ink_supersample);
+    let mut board = Board::new(context, kind, style, (subject, settings), &mut timings)?;
+    let (lens, origin) = (lens(settings, board.size), subject.prepared.geometry.origin);
+    let path = animation.path_about(&settings.camera, lens, origin, subject.points())?;
+    let size = board.size;
+    let at = |frame: u32| {
+        let camera = path.camera(f64::from(frame), lens.aspect, origin, subject.points());
+        subject.view(settings, size, Some(camera))
+    };
+    let start = at(0);
+    let [nearest, farthest] = start.depths;
+    if board.style.vector.cell <= 0.0 {
+        board.style.vector.cell = cell_of(&start);
+    }
+    let files = animation.write_bytes(&path, |frame, file| {
+        let mut view = at(frame);
+        view.depths[1] = view.depths[0] + (farthest - nearest);
+        Ok(board.draw(&view, Some(frame), file, &mut timings)?.0)
+    })?;
+    Ok(frames_report(context, &files, board.size, &timings))
+}
+
+fn ends_in(file: &Path, ending: &str) -> bool {
+    file.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+}
+
+/// The bytes of a file, and what to say of it in words and as JSON.
 type Written = (Vec<u8>, (String, serde_json::Value));
 
-fn vector(
-    context: &Context,
-    style: &PaperStyle,
-    subject: &Subject,
-    settings: &RenderSettings,
-    timings: &mut Timings,
-) -> Result<Written> {
-    let free = style.sheet.paper.map(|s| s - 2.0 * style.sheet.margin);
-    let size = free.map(|s| (s * style.sheet.resolution).round().max(1.0) as u32);
-    let view = subject.view(settings, size);
-    let scene = subject.scene();
-    let renderer = timings.measure("upload", || {
-        PaperRenderer::new(context.gpu()?, &scene, style, size)
-    })?;
-    let maps = timings.measure("geometry and filter", || renderer.maps(&scene, &view))?;
-    timings.add_passes(&maps.passes);
-    let (mut found, order) = timings.measure("lines", || drawing(&maps, style, &view));
-    found.metadata = metadata(style, &view)?;
-    let curves = FitSettings {
-        tolerance: style.sheet.tolerance,
-        corner: CORNER,
-    };
-    let text = timings.measure("curves and file", || {
-        found.text(style.sheet.profile, &curves)
-    });
-    Ok((text.into_bytes(), told(&found, order)))
+/// What draws views of one subject into files of one kind.
+pub(super) struct Board<'a> {
+    renderer: PaperRenderer,
+    style: PaperStyle,
+    scene: PaperScene<'a>,
+    /// Pixels in which lines are found.
+    pub(super) size: [u32; 2],
+    /// Of bitmaps: pixels for one of the picture.
+    factor: Option<u32>,
+}
+
+impl<'a> Board<'a> {
+    /// For files named like `output`; of bitmaps `factor` pixels become one.
+    pub(super) fn new(
+        context: &Context,
+        (output, factor): (&Path, u32),
+        mut style: PaperStyle,
+        (subject, settings): (&'a Subject, &RenderSettings),
+        timings: &mut Timings,
+    ) -> Result<Self> {
+        let free = style.sheet.paper.map(|s| s - 2.0 * style.sheet.margin);
+        let vectors = ends_in(output, "svg") || ends_in(output, "pdf");
+        let (size, factor) = if vectors {
+            let pixels = |s: f64| (s * style.sheet.resolution).round().max(1.0) as u32;
+            (free.map(pixels), None)
+        } else {
+            // The whole picture is the part of the paper within the margins.
+            style.sheet.resolution = f64::from(settings.size[0]) / free[0];
+            (settings.size.map(|s| s * factor), Some(factor))
+        };
+        let scene = subject.scene();
+        let renderer = timings.measure("upload", || {
+            PaperRenderer::new(context.gpu()?, &scene, &style, size)
+        })?;
+        Ok(Self {
+            renderer,
+            style,
+            scene,
+            size,
+            factor,
+        })
+    }
+
+    /// The file of a view, which is `frame` of a sequence.
+    ///
+    /// # Errors
+    /// Memory runs out or the device is lost.
+    pub(super) fn draw(
+        &self,
+        view: &View,
+        frame: Option<u32>,
+        file: &Path,
+        timings: &mut Timings,
+    ) -> Result<Written> {
+        match self.factor {
+            Some(factor) => self.bitmap(view, factor, file, timings),
+            None => self.vector(view, frame, file, timings),
+        }
+    }
+
+    fn vector(
+        &self,
+        view: &View,
+        frame: Option<u32>,
+        file: &Path,
+        timings: &mut Timings,
+    ) -> Result<Written> {
+        let style = &self.style;
+        let maps = timings.measure("geometry and filter", || {
+            self.renderer.maps(&self.scene, view)
+        })?;
+        timings.add_passes(&maps.passes);
+        let mut found = timings.measure("trace", || traced(&maps, style, view));
+        let order = timings.measure("sort", || sort(&mut found, style));
+        found.metadata = metadata(style, view, frame)?;
+        let curves = FitSettings {
+            tolerance: style.sheet.tolerance,
+            corner: CORNER,
+        };
+        let fitted = timings.measure("fit", || found.fitted(style.sheet.profile, &curves));
+        let bytes = timings.measure("write", || {
+            if ends_in(file, "pdf") {
+                pdf(&fitted)
+            } else {
+                fitted.text().into_bytes()
+            }
+        });
+        let told = told(&found, order);
+        Ok((bytes, told))
+    }
+
+    fn bitmap(
+        &self,
+        view: &View,
+        factor: u32,
+        file: &Path,
+        timings: &mut Timings,
+    ) -> Result<Written> {
+        let Bitmap {
+            mut pixels,
+            maps,
+            passes,
+        } = self.renderer.bitmap(&self.scene, view, factor)?;
+        timings.add_passes(&passes);
+        if let Some(maps) = maps {
+            timings.measure("strokes", || {
+                let style = &self.style;
+                let scale = 1.0 / (style.sheet.resolution * f64::from(factor));
+                let strokes = strokes_of(&maps, style, view, scale);
+                let ink = style.sheet.ink.map(srgb_to_linear);
+                lay(&mut pixels, maps.size, &strokes, ink);
+            });
+        }
+        let picture = timings.measure("reduce", || reduced_pixels(self.size, &pixels, factor));
+        let said = format!("{}x{}", picture.width, picture.height);
+        let json = json!({ "width": picture.width, "height": picture.height });
+        Ok((encode(&picture, file)?, (said, json)))
+    }
 }
 
 fn told(drawing: &Drawing, order: Order) -> (String, serde_json::Value) {
@@ -213,54 +387,16 @@ fn told(drawing: &Drawing, order: Order) -> (String, serde_json::Value) {
 }
 
 /// What drew the file, for people and for drawing it again: the command line without the output,
-/// and the style in full.
-fn metadata(style: &PaperStyle, view: &View) -> Result<String> {
+/// and the style in full; of a sequence the frame.
+fn metadata(style: &PaperStyle, view: &View, frame: Option<u32>) -> Result<String> {
     let style = toml::to_string(style).map_err(|e| Error::usage(format!("style: {e}")))?;
     let c = &view.camera;
     let json = json!({
         "program": "umbrage", "version": env!("CARGO_PKG_VERSION"),
-        "arguments": redraw::arguments(std::env::args()),
+        "arguments": redraw::arguments(std::env::args(), frame),
         "style": style,
         "camera": { "eye": c.eye.to_array(), "forward": c.forward.to_array(), "fov": c.fov },
         "sun": view.to_sun.to_array(),
     });
     Ok(json.to_string())
-}
-
-fn bitmap(
-    context: &Context,
-    args: &RenderArgs,
-    mut style: PaperStyle,
-    subject: &Subject,
-    settings: &RenderSettings,
-    timings: &mut Timings,
-) -> Result<Written> {
-    // The whole picture is the part of the paper within the margins.
-    let free = style.sheet.paper[0] - 2.0 * style.sheet.margin;
-    style.sheet.resolution = f64::from(settings.size[0]) / free;
-    let factor = args.ink.ink_supersample;
-    let size = settings.size.map(|s| s * factor);
-    let view = subject.view(settings, size);
-    let scene = subject.scene();
-    let renderer = timings.measure("upload", || {
-        PaperRenderer::new(context.gpu()?, &scene, &style, size)
-    })?;
-    let Bitmap {
-        mut pixels,
-        maps,
-        passes,
-    } = renderer.bitmap(&scene, &view, factor)?;
-    timings.add_passes(&passes);
-    if let Some(maps) = maps {
-        timings.measure("strokes", || {
-            let scale = 1.0 / (style.sheet.resolution * f64::from(factor));
-            let strokes = strokes_of(&maps, &style, scale);
-            let ink = style.sheet.ink.map(srgb_to_linear);
-            lay(&mut pixels, maps.size, &strokes, ink);
-        });
-    }
-    let picture = timings.measure("reduce", || reduced_pixels(size, &pixels, factor));
-    let said = format!("{}x{}", picture.width, picture.height);
-    let json = json!({ "width": picture.width, "height": picture.height });
-    Ok((encode(&picture, &args.output)?, (said, json)))
 }

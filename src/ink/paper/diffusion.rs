@@ -66,7 +66,7 @@ pub fn strokes(
                 let scatter = 0.75 + 0.5 * f64::from(random >> 8) / 16_777_216.0;
                 let middle = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 let half = 0.5 * settings.length * scatter * direction(x, y);
-                if let Some(stroke) = field.clipped(middle, half) {
+                if let Some(stroke) = clipped(tone, middle, half) {
                     error -= field.draw(&stroke, settings.width);
                     out.push(stroke);
                 }
@@ -83,39 +83,35 @@ pub fn strokes(
     out
 }
 
+/// The stroke about `middle` as far as it stays where drawing is allowed.
+pub(super) fn clipped(tone: &Tone<'_>, middle: DVec2, half: DVec2) -> Option<ShortStroke> {
+    let length = half.length();
+    if length <= 0.0 || length.is_nan() {
+        return None;
+    }
+    let [w, h] = tone.size;
+    let open = |p: DVec2| {
+        let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < w as f64 && p.y < h as f64;
+        inside && tone.darkness[p.y as usize * w + p.x as usize] >= 0.0
+    };
+    let end = |way: DVec2| {
+        let steps = (length * 2.0).ceil() as u32;
+        let at = |k: u32| middle + way * f64::from(k) / f64::from(steps);
+        let last = (1..=steps).take_while(|&k| open(at(k))).last().unwrap_or(0);
+        at(last)
+    };
+    Some(ShortStroke {
+        from: end(-half),
+        to: end(half),
+    })
+}
+
 struct Field<'a> {
     tone: &'a Tone<'a>,
     covered: Vec<bool>,
 }
 
 impl Field<'_> {
-    fn open(&self, p: DVec2) -> bool {
-        let [w, h] = self.tone.size;
-        let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < w as f64 && p.y < h as f64;
-        inside && self.tone.darkness[p.y as usize * w + p.x as usize] >= 0.0
-    }
-
-    /// The stroke as far as it stays where drawing is allowed.
-    fn clipped(&self, middle: DVec2, half: DVec2) -> Option<ShortStroke> {
-        let length = half.length();
-        if length <= 0.0 || length.is_nan() {
-            return None;
-        }
-        let end = |way: DVec2| {
-            let steps = (length * 2.0).ceil() as u32;
-            let at = |k: u32| middle + way * f64::from(k) / f64::from(steps);
-            let last = (1..=steps)
-                .take_while(|&k| self.open(at(k)))
-                .last()
-                .unwrap_or(0);
-            at(last)
-        };
-        Some(ShortStroke {
-            from: end(-half),
-            to: end(half),
-        })
-    }
-
     /// Inks the stroke; pixels that were paper before.
     fn draw(&mut self, stroke: &ShortStroke, width: f64) -> f64 {
         let [w, h] = self.tone.size;

@@ -4,8 +4,9 @@
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
+use super::anchored::{Surface, hand_round, metres_of_pixel, noise_at, placed};
 use super::curve::Polyline;
-use super::diffusion::{DiffusionSettings, Tone, strokes};
+use super::diffusion::{DiffusionSettings, Tone};
 use super::fit::{FitSettings, fit};
 use super::order::{joined, pen_up, sorted, without_repeats};
 use super::outline::{Seen, lines};
@@ -15,8 +16,8 @@ use super::renderer::{Maps, outlines};
 use super::style::{PaperStyle, ShadowForm};
 use super::svg::{Drawing, Layer, Profile};
 use super::trace::{Marks, smoothed, thinned, trace};
+use super::vectors::{Lines, tile_hatching, traced_contour, whole_bitmap};
 use crate::ink::view::View;
-use crate::math::sampling::pcg;
 
 /// Shorter lines of stems are specks, pixels.
 const SPECK: f64 = 5.0;
@@ -58,11 +59,11 @@ impl Placement {
     }
 
     /// The pixel at a place of the paper.
-    fn pixel(&self, p: DVec2) -> DVec2 {
+    pub(super) fn pixel(&self, p: DVec2) -> DVec2 {
         (p - self.corner) / self.scale
     }
 
-    fn line(&self, line: &Polyline) -> Polyline {
+    pub(super) fn line(&self, line: &Polyline) -> Polyline {
         Polyline {
             points: line
                 .points
@@ -74,9 +75,30 @@ impl Placement {
     }
 }
 
-/// The drawing of a view.
+/// The drawing of a view, its strokes in order.
 #[must_use]
 pub fn drawing(maps: &Maps, style: &PaperStyle, view: &View) -> (Drawing, Order) {
+    let mut drawing = traced(maps, style, view);
+    let order = sort(&mut drawing, style);
+    (drawing, order)
+}
+
+/// Puts strokes into the order of a plotter where the style is for one.
+pub fn sort(drawing: &mut Drawing, style: &PaperStyle) -> Order {
+    let mut order = Order::default();
+    if style.sheet.profile == Profile::Plotter {
+        for layer in &mut drawing.layers {
+            let (strokes, pen_up) = plotted(std::mem::take(&mut layer.strokes));
+            layer.strokes = strokes;
+            order.pen_up = [order.pen_up[0] + pen_up[0], order.pen_up[1] + pen_up[1]];
+        }
+    }
+    order
+}
+
+/// The drawing of a view, its strokes as they were found.
+#[must_use]
+pub fn traced(maps: &Maps, style: &PaperStyle, view: &View) -> Drawing {
     let placement = Placement::new(style, maps.size);
     let visible = Visible::new(maps);
     let mut layers = Vec::new();
@@ -88,60 +110,58 @@ pub fn drawing(maps: &Maps, style: &PaperStyle, view: &View) -> (Drawing, Order)
             areas: Vec::new(),
         });
     };
+    let shade = Shade::new(maps, style);
+    let whole =
+        (style.vector.lines == Lines::Bitmap).then(|| whole_bitmap(maps, &visible, &shade, style));
     if style.stem.draw {
+        let lines = match &whole {
+            Some([stems, _]) => stems.clone(),
+            None => stem_lines(maps, &visible, style),
+        };
         add(
             1,
             "stem contour",
-            stem_contour(maps, &visible, style, &placement),
+            stem_contour((maps, &visible), &lines, style, view, &placement),
         );
         if style.stem.hatching > 0.0 {
             add(
                 2,
                 "stem hatch",
-                stem_hatching(maps, &visible, style, &placement),
+                stem_hatching(maps, &visible, style, view, &placement),
             );
         }
     }
-    let shade = Shade::new(maps, style);
     if style.foliage.draw {
-        add(
-            3,
-            "foliage contour",
-            foliage_contour(maps, &visible, &shade, style, view, &placement),
-        );
+        let strokes = match &whole {
+            Some([_, lines]) => traced_contour((maps, lines), &shade, style, &placement),
+            None => foliage_contour(maps, &visible, &shade, style, view, &placement),
+        };
+        add(3, "foliage contour", strokes);
     }
+    let mut hatch = Vec::new();
     if style.shadow.form == ShadowForm::Hatch {
-        add(
-            4,
-            "foliage hatch",
-            shade.hatching(&visible.foliage, &placement),
-        );
+        hatch = shade.hatching(&visible.foliage, view, &placement);
     }
+    if style.tiles.strength > 0.0 {
+        hatch.extend(tile_hatching(maps, &visible, style, view, &placement));
+    }
+    add(4, "foliage hatch", hatch);
     if style.shadow.form == ShadowForm::Black {
         layers.push(shade.black(&visible, &placement));
     }
-    let mut order = Order::default();
-    if style.sheet.profile == Profile::Plotter {
-        for layer in &mut layers {
-            let (strokes, pen_up) = plotted(std::mem::take(&mut layer.strokes));
-            layer.strokes = strokes;
-            order.pen_up = [order.pen_up[0] + pen_up[0], order.pen_up[1] + pen_up[1]];
-        }
-    }
     layers.retain(|l| !l.strokes.is_empty() || !l.areas.is_empty());
-    let drawing = Drawing {
+    Drawing {
         paper: style.sheet.paper,
         layers,
         ink: style.sheet.ink.map(|v| (255.0 * v).round() as u8),
         metadata: String::new(),
-    };
-    (drawing, order)
+    }
 }
 
 /// What is seen of foliage and stems when the nearer hides the other.
 pub(super) struct Visible {
     pub(super) foliage: Vec<bool>,
-    stems: Vec<bool>,
+    pub(super) stems: Vec<bool>,
 }
 
 impl Visible {
@@ -165,23 +185,15 @@ fn foliage_contour(
     view: &View,
     placement: &Placement,
 ) -> Vec<Stroke> {
-    let threshold = style.foliage.threshold as f32;
-    let growth = shade.detail();
     let primitive: Vec<u32> = maps
         .foliage_number
         .iter()
         .zip(&visible.foliage)
         .map(|(&n, &seen)| if seen { n } else { 0 })
         .collect();
-    let contour: Vec<f32> = maps
-        .foliage_difference
-        .iter()
-        .enumerate()
-        .map(|(i, &d)| {
-            let [more, wider] = factors(maps, i);
-            let line = d > threshold * (1.0 + growth * shade.at(i)) * more && wider > 0.0;
-            if line { 1.0 } else { 0.0 }
-        })
+    let contour: Vec<f32> = shade
+        .foliage_marks()
+        .map(|line| if line { 1.0 } else { 0.0 })
         .collect();
     let seen = Seen {
         size: maps.size,
@@ -203,9 +215,10 @@ fn foliage_contour(
             };
             let pen = style.foliage.pen;
             let seen = &seen;
+            let hand = hand_round(outline, &maps.particles[i], (style, view), placement);
             found.into_iter().map(move |line| Stroke {
                 primitive: Some(number),
-                ..pen.draw(&placement.line(&line), pcg(number ^ style.seed), |p| {
+                ..pen.draw_over(&placement.line(&line), &hand, |p| {
                     let p = placement.pixel(p);
                     shade.pressure(p) * width(maps, p, |i| seen.primitive[i] == number)
                 })
@@ -221,7 +234,7 @@ fn factors(maps: &Maps, pixel: usize) -> [f32; 2] {
 
 /// Factor on the width of a line that passes `p` (pixels): that of the nearest of the pixels about
 /// it that are the line's own. Outlines run along the border of what they belong to.
-fn width(maps: &Maps, p: DVec2, own: impl Fn(usize) -> bool) -> f64 {
+pub(super) fn width(maps: &Maps, p: DVec2, own: impl Fn(usize) -> bool) -> f64 {
     if maps.factors.is_empty() {
         return 1.0;
     }
@@ -257,6 +270,16 @@ impl<'a> Shade<'a> {
         self.maps.shadow.get(pixel).copied().unwrap_or(0.0)
     }
 
+    /// Whether each pixel of foliage, as if nothing hid it, is over its threshold.
+    pub(super) fn foliage_marks(&self) -> impl Iterator<Item = bool> {
+        let (threshold, growth) = (self.style.foliage.threshold as f32, self.detail());
+        let differences = self.maps.foliage_difference.iter().enumerate();
+        differences.map(move |(i, &d)| {
+            let [more, wider] = factors(self.maps, i);
+            d > threshold * (1.0 + growth * self.at(i)) * more && wider > 0.0
+        })
+    }
+
     /// Growth of the threshold in shadow.
     fn detail(&self) -> f32 {
         let shadow = &self.style.shadow;
@@ -268,7 +291,7 @@ impl<'a> Shade<'a> {
     }
 
     /// Factor on the width of lines at a pixel.
-    fn pressure(&self, p: DVec2) -> f64 {
+    pub(super) fn pressure(&self, p: DVec2) -> f64 {
         let shadow = &self.style.shadow;
         if shadow.form != ShadowForm::Detail {
             return 1.0;
@@ -314,7 +337,12 @@ impl<'a> Shade<'a> {
     }
 
     /// Strokes for the shadow on foliage and ground.
-    pub(super) fn hatching(&self, foliage: &[bool], placement: &Placement) -> Vec<Stroke> {
+    pub(super) fn hatching(
+        &self,
+        foliage: &[bool],
+        view: &View,
+        placement: &Placement,
+    ) -> Vec<Stroke> {
         let s = &self.style.shadow;
         let darkness: Vec<f32> = foliage
             .iter()
@@ -338,7 +366,12 @@ impl<'a> Shade<'a> {
             seed: self.style.seed,
         };
         let way = DVec2::from_angle(-s.angle.to_radians());
-        let found = strokes(&tone, &settings, |_, _| way);
+        let surface = Surface {
+            view,
+            depth: &self.maps.foliage_depth,
+            vector: self.style.vector,
+        };
+        let found = placed(&tone, &settings, &surface, |_, _| way);
         found
             .iter()
             .map(|f| hatch(f.from, f.to, &s.pen, placement))
@@ -352,15 +385,10 @@ fn below(line: &Polyline, row: f64) -> Vec<Polyline> {
     super::outline::runs_of(&line.points, &keeps, line.closed)
 }
 
-fn stem_contour(
-    maps: &Maps,
-    visible: &Visible,
-    style: &PaperStyle,
-    placement: &Placement,
-) -> Vec<Stroke> {
+/// Whether each pixel of stems is seen and over its threshold.
+pub(super) fn stem_marks(maps: &Maps, visible: &Visible, style: &PaperStyle) -> Vec<bool> {
     let threshold = style.stem.threshold as f32;
-    let marked: Vec<bool> = maps
-        .stem_difference
+    maps.stem_difference
         .iter()
         .zip(&visible.stems)
         .enumerate()
@@ -368,7 +396,12 @@ fn stem_contour(
             let [more, wider] = factors(maps, i);
             seen && d > threshold * more && wider > 0.0
         })
-        .collect();
+        .collect()
+}
+
+/// Lines of stems, pixels.
+fn stem_lines(maps: &Maps, visible: &Visible, style: &PaperStyle) -> Vec<Polyline> {
+    let marked = stem_marks(maps, visible, style);
     let thin = thinned(&Marks {
         size: maps.size,
         marked: &marked,
@@ -377,14 +410,39 @@ fn stem_contour(
         size: maps.size,
         marked: &thin,
     });
-    let pen = &style.stem.pen;
     found
         .iter()
         .filter(|l| l.length() >= SPECK)
-        .enumerate()
-        .map(|(i, l)| {
-            let line = placement.line(&smoothed(l, SMOOTH));
-            pen.draw(&line, pcg(i as u32 ^ style.seed), |p| {
+        .map(|l| smoothed(l, SMOOTH))
+        .collect()
+}
+
+fn stem_contour(
+    (maps, visible): (&Maps, &Visible),
+    lines: &[Polyline],
+    style: &PaperStyle,
+    view: &View,
+    placement: &Placement,
+) -> Vec<Stroke> {
+    let pen = &style.stem.pen;
+    // The hand is unsteady by where it is in space, since lines of pixels have no number that they
+    // keep from frame to frame.
+    let metres = metres_of_pixel(&style.vector, view) / placement.scale;
+    let hand = |p: DVec2| {
+        let pixel = placement.pixel(p);
+        let [w, h] = maps.size;
+        let at = pixel.clamp(DVec2::ZERO, DVec2::new(w as f64 - 1.0, h as f64 - 1.0));
+        let depth = f64::from(maps.stem_depth[at.y as usize * w + at.x as usize]);
+        noise_at(
+            view.point(pixel, depth),
+            pen.wavelength * metres,
+            style.seed,
+        )
+    };
+    lines
+        .iter()
+        .map(|l| {
+            pen.draw_over(&placement.line(l), hand, |p| {
                 width(maps, placement.pixel(p), |i| visible.stems[i])
             })
         })
@@ -395,6 +453,7 @@ pub(super) fn stem_hatching(
     maps: &Maps,
     visible: &Visible,
     style: &PaperStyle,
+    view: &View,
     placement: &Placement,
 ) -> Vec<Stroke> {
     let s = &style.stem;
@@ -417,6 +476,11 @@ pub(super) fn stem_hatching(
         threshold: 0.5,
         seed: style.seed,
     };
+    let surface = Surface {
+        view,
+        depth: &maps.stem_depth,
+        vector: style.vector,
+    };
     let mut out = Vec::new();
     // First strokes across the branch; the darkest parts again, turned.
     let first: Vec<f32> = darkness.iter().map(|&d| d.min(s.crossing as f32)).collect();
@@ -435,7 +499,7 @@ pub(super) fn stem_hatching(
             size: maps.size,
             darkness: &tone,
         };
-        let found = strokes(&tone, &settings, |x, y| {
+        let found = placed(&tone, &settings, &surface, |x, y| {
             DVec2::from_angle(turn).rotate(across.at(x, y))
         });
         out.extend(

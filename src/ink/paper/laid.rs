@@ -8,6 +8,7 @@ use super::drawing::{Placement, Shade, Visible, stem_hatching};
 use super::pen::Stroke;
 use super::renderer::Maps;
 use super::style::{PaperStyle, ShadowForm};
+use crate::ink::view::View;
 use crate::math::packing::{f16_to_f32, f32_to_f16};
 
 /// Rows of the picture that one task lays.
@@ -26,7 +27,7 @@ fn hatches_stems(style: &PaperStyle) -> bool {
 /// The strokes on stems and in shadow, in pixels of the maps; `scale` is a pixel's size in
 /// millimetres. With the sheet's own resolution they are the strokes of the vectors.
 #[must_use]
-pub fn strokes_of(maps: &Maps, style: &PaperStyle, scale: f64) -> Vec<Stroke> {
+pub fn strokes_of(maps: &Maps, style: &PaperStyle, view: &View, scale: f64) -> Vec<Stroke> {
     let placement = Placement {
         scale,
         corner: DVec2::ZERO,
@@ -34,10 +35,10 @@ pub fn strokes_of(maps: &Maps, style: &PaperStyle, scale: f64) -> Vec<Stroke> {
     let visible = Visible::new(maps);
     let mut out = Vec::new();
     if hatches_stems(style) {
-        out.extend(stem_hatching(maps, &visible, style, &placement));
+        out.extend(stem_hatching(maps, &visible, style, view, &placement));
     }
     if style.shadow.form == ShadowForm::Hatch {
-        out.extend(Shade::new(maps, style).hatching(&visible.foliage, &placement));
+        out.extend(Shade::new(maps, style).hatching(&visible.foliage, view, &placement));
     }
     for stroke in &mut out {
         stroke.line.points.iter_mut().for_each(|p| *p /= scale);

@@ -2,9 +2,12 @@
 //!
 //! Reading order: [`style`] says what is drawn, [`particles`] and [`polygon`] make primitives of
 //! leaves, [`renderer`] draws depth and numbers, [`drawing`] finds lines in them ([`outline`],
-//! [`trace`], [`diffusion`]; [`modulation`] changes them from place to place), [`pen`] draws them,
-//! [`order`] sorts them, [`fit`] makes curves, [`svg`] writes them; [`laid`] puts strokes on bitmaps.
+//! [`trace`], [`whole`], [`diffusion`], [`anchored`], [`tiles`]; [`modulation`] changes them from
+//! place to place), [`pen`] draws them, [`order`] sorts them, [`fit`] makes curves, [`svg`] and
+//! [`pdf`] write them; [`laid`] puts strokes on bitmaps.
 
+pub mod anchored;
+pub mod clutter;
 pub mod curve;
 pub mod diffusion;
 pub mod drawing;
@@ -16,6 +19,7 @@ pub mod modulation;
 pub mod order;
 pub mod outline;
 pub mod particles;
+pub mod pdf;
 pub mod pen;
 pub mod polygon;
 pub mod region;
@@ -24,5 +28,8 @@ pub mod stems;
 pub mod style;
 mod sun;
 pub mod svg;
+pub mod tiles;
 mod tones;
 pub mod trace;
+pub mod vectors;
+pub mod whole;

@@ -22,6 +22,35 @@ pub struct Pen {
     pub tremor: f64,
     /// Way along the line from one such step to the next, 0.1 to 1000.
     pub wavelength: f64,
+    /// Share of the width that open lines lose from their start to their end, 0 to 1: set down
+    /// firmly, lifted slowly.
+    pub lift: f64,
+    /// Where open lines start.
+    pub start: Start,
+}
+
+/// Which end of an open line is drawn first.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// As it was found.
+    #[default]
+    Any,
+    /// The upper one.
+    Top,
+    /// The left one.
+    Left,
+}
+
+impl Start {
+    /// Whether a line from `first` to `last` is to be turned round.
+    fn turns(self, first: DVec2, last: DVec2) -> bool {
+        match self {
+            Self::Any => false,
+            Self::Top => first.y > last.y,
+            Self::Left => first.x > last.x,
+        }
+    }
 }
 
 impl Default for Pen {
@@ -33,6 +62,8 @@ impl Default for Pen {
             overshoot: 0.0,
             tremor: 0.0,
             wavelength: 4.0,
+            lift: 0.0,
+            start: Start::Any,
         }
     }
 }
@@ -61,12 +92,48 @@ impl Pen {
     /// every frame. `pressure` multiplies the width at a place.
     #[must_use]
     pub fn draw(&self, line: &Polyline, seed: u32, pressure: impl Fn(DVec2) -> f64) -> Stroke {
+        self.drawn(
+            line,
+            |points| self.shake(points, line.closed, seed),
+            pressure,
+        )
+    }
+
+    /// As [`Pen::draw`], with an unsteadiness (-1 to 1) that `hand` tells for each place: parts of
+    /// a line are drawn as they are in the whole.
+    #[must_use]
+    pub fn draw_over(
+        &self,
+        line: &Polyline,
+        hand: impl Fn(DVec2) -> f64,
+        pressure: impl Fn(DVec2) -> f64,
+    ) -> Stroke {
+        let lean = |points: &mut [DVec2]| {
+            let whole = points.to_vec();
+            for (i, point) in points.iter_mut().enumerate() {
+                *point += sideways(&whole, i, line.closed) * self.tremor * hand(whole[i]);
+            }
+        };
+        self.drawn(line, lean, pressure)
+    }
+
+    fn drawn(
+        &self,
+        line: &Polyline,
+        shake: impl Fn(&mut [DVec2]),
+        pressure: impl Fn(DVec2) -> f64,
+    ) -> Stroke {
         let mut points = line.points.clone();
+        if let ([first, .., last], false) = (points.as_slice(), line.closed)
+            && self.start.turns(*first, *last)
+        {
+            points.reverse();
+        }
         if !line.closed && self.overshoot > 0.0 {
             extend(&mut points, self.overshoot);
         }
-        if self.tremor > 0.0 {
-            self.shake(&mut points, line.closed, seed);
+        if self.tremor > 0.0 && points.len() > 2 {
+            shake(&mut points);
         }
         let line = Polyline {
             points,
@@ -86,7 +153,12 @@ impl Pen {
                 let t = (from_end / reach).clamp(0.0, 1.0);
                 self.ends + (1.0 - self.ends) * t * (2.0 - t)
             };
-            self.width * share * pressure(p).max(0.0)
+            let lifted = if line.closed || length <= 0.0 {
+                1.0
+            } else {
+                1.0 - self.lift * along / length
+            };
+            self.width * share * lifted * pressure(p).max(0.0)
         });
         Stroke {
             widths: widths.collect(),
@@ -114,23 +186,23 @@ impl Pen {
             if i > 0 {
                 along += whole.points[i].distance(whole.points[i - 1]);
             }
-            let (a, b) = if closed {
-                (
-                    whole.points[(i + count - 1) % count],
-                    whole.points[(i + 1) % count],
-                )
-            } else {
-                (
-                    whole.points[i.saturating_sub(1)],
-                    whole.points[(i + 1).min(count - 1)],
-                )
-            };
-            let side = (b - a).perp().normalize_or_zero();
+            let side = sideways(&whole.points, i, closed);
             let at = waves * along / total;
             let period = closed.then_some(waves as u32);
             *point += side * self.tremor * noise(at, period, seed);
         }
     }
+}
+
+/// Unit vector across a line at its point `i`.
+fn sideways(points: &[DVec2], i: usize, closed: bool) -> DVec2 {
+    let count = points.len();
+    let (before, after) = if closed {
+        ((i + count - 1) % count, (i + 1) % count)
+    } else {
+        (i.saturating_sub(1), (i + 1).min(count - 1))
+    };
+    (points[after] - points[before]).perp().normalize_or_zero()
 }
 
 /// Moves the ends on along their directions.
@@ -245,6 +317,44 @@ mod tests {
         assert!(stroke.widths[..15].windows(2).all(|w| w[0] <= w[1]));
         let rings = pen.draw(&ring(), 1, |_| 1.0);
         assert!(rings.is_even(), "a ring has no ends");
+    }
+
+    #[test]
+    fn a_line_starts_where_the_pen_says_and_is_lifted_towards_its_end() {
+        let pen = Pen {
+            start: Start::Left,
+            lift: 0.5,
+            ..Pen::default()
+        };
+        let mut line = straight();
+        line.points.reverse();
+        let stroke = pen.draw(&line, 1, |_| 1.0);
+        assert_eq!(stroke.line.points[0], DVec2::ZERO);
+        assert!((stroke.widths[0] - 0.3).abs() < 1e-9);
+        assert!((stroke.widths[50] - 0.225).abs() < 1e-9);
+        assert!((stroke.widths[100] - 0.15).abs() < 1e-9);
+        let rings = pen.draw(&ring(), 1, |_| 1.0);
+        assert!(
+            rings.is_even() && rings.line == ring(),
+            "a ring has no ends"
+        );
+    }
+
+    #[test]
+    fn parts_of_a_line_are_drawn_as_they_are_in_the_whole() {
+        let pen = Pen {
+            tremor: 0.3,
+            ..Pen::default()
+        };
+        let hand = |p: DVec2| noise(p.x, None, 5);
+        let whole = pen.draw_over(&straight(), hand, |_| 1.0);
+        let part = Polyline {
+            points: straight().points[30..70].to_vec(),
+            closed: false,
+        };
+        let part = pen.draw_over(&part, hand, |_| 1.0);
+        assert_eq!(part.line.points, whole.line.points[30..70]);
+        assert!(whole.line.points.iter().any(|p| p.y.abs() > 0.1));
     }
 
     #[test]

@@ -429,7 +429,7 @@ impl PaperRenderer {
                     aspect: aspect(&self.style) as f32,
                     deformation: p.deformation as f32,
                 })?;
-                return draws.draw(0..6 * count, 1);
+                return draws.draw(0..3 * count, 1);
             }
             draws.push(&PaperPrimitive {
                 points: POINTS as u32,

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::modulation::{Modulation, Programs, resolve};
 use super::pen::Pen;
 use super::svg::Profile;
+use super::tiles::Tiles;
+use super::vectors::Vectors;
 use crate::{Error, Result};
 
 /// Version of style files.
@@ -44,6 +46,12 @@ pub struct PaperStyle {
     /// Vegetation of the ground.
     #[serde(default)]
     pub ground: Ground,
+    /// Hatching tiles on clusters of leaves.
+    #[serde(default)]
+    pub tiles: Tiles,
+    /// How vectors are found.
+    #[serde(default)]
+    pub vector: Vectors,
     /// Paper and ink.
     #[serde(default)]
     pub sheet: Sheet,
@@ -458,6 +466,7 @@ impl PaperStyle {
             ("shadow.hatching".into(), h.hatching, 0.0, 1.0),
             ("shadow.angle".into(), h.angle, -180.0, 180.0),
             ("shadow.stroke".into(), h.stroke, 0.2, 50.0),
+            ("vector.cell".into(), self.vector.cell, 0.0, 1e9),
             ("ground.size".into(), self.ground.size, 0.001, 10.0),
             ("ground.extent".into(), self.ground.extent, 0.1, 20.0),
             ("sheet.paper".into(), sheet.paper[0], 10.0, 5000.0),
@@ -479,7 +488,9 @@ impl PaperStyle {
             numbers.push((format!("{name}.overshoot"), pen.overshoot, 0.0, 20.0));
             numbers.push((format!("{name}.tremor"), pen.tremor, 0.0, 10.0));
             numbers.push((format!("{name}.wavelength"), pen.wavelength, 0.1, 1000.0));
+            numbers.push((format!("{name}.lift"), pen.lift, 0.0, 1.0));
         }
+        numbers.extend(self.tiles.numbers());
         let colours = sheet
             .ink
             .iter()

@@ -4,9 +4,10 @@
 use std::fmt::Write as _;
 
 use glam::DVec2;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::curve::{Curve, Piece};
+use super::curve::{Curve, Piece, Polyline};
 use super::fit::{FitSettings, fit};
 use super::pen::{Stroke, filled};
 
@@ -75,8 +76,64 @@ impl Drawing {
     /// The text of the file.
     #[must_use]
     pub fn text(&self, profile: Profile, curves: &FitSettings) -> String {
-        let [w, h] = self.paper;
-        let [r, g, b] = self.ink;
+        self.fitted(profile, curves).text()
+    }
+
+    /// Its lines as curves, in the way of a profile.
+    #[must_use]
+    pub fn fitted(&self, profile: Profile, curves: &FitSettings) -> Fitted<'_> {
+        Fitted {
+            drawing: self,
+            profile,
+            layers: self
+                .layers
+                .iter()
+                .map(|l| l.fitted(profile, curves))
+                .collect(),
+        }
+    }
+}
+
+/// A drawing whose lines are curves, ready to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted<'a> {
+    /// The drawing.
+    pub drawing: &'a Drawing,
+    /// How it is to be written.
+    pub profile: Profile,
+    /// Curves of each of its layers.
+    pub layers: Vec<FittedLayer>,
+}
+
+/// Curves of a layer.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FittedLayer {
+    /// Width of most of its lines, millimetres.
+    pub width: f64,
+    /// Its lines, in the order in which they are drawn.
+    pub lines: Vec<FittedLine>,
+}
+
+/// A line as a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedLine {
+    /// The pen's way, or the outline of what it inks.
+    pub curve: Curve,
+    /// Whether the curve is an outline to be filled (rule: not zero).
+    pub filled: bool,
+    /// Width where it is not the layer's, millimetres.
+    pub width: Option<f64>,
+    /// Number of its primitive.
+    pub primitive: Option<u32>,
+}
+
+impl Fitted<'_> {
+    /// The text of an SVG file.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let drawing = self.drawing;
+        let [w, h] = drawing.paper;
+        let [r, g, b] = drawing.ink;
         let ink = format!("#{r:02x}{g:02x}{b:02x}");
         let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         let _ = writeln!(
@@ -84,9 +141,9 @@ impl Drawing {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" \
              width=\"{w}mm\" height=\"{h}mm\" viewBox=\"0 0 {w} {h}\">"
         );
-        let _ = writeln!(out, "<metadata>{}</metadata>", escaped(&self.metadata));
-        for layer in &self.layers {
-            layer.write(&mut out, profile, curves, &ink);
+        let _ = writeln!(out, "<metadata>{}</metadata>", escaped(&drawing.metadata));
+        for (layer, fitted) in drawing.layers.iter().zip(&self.layers) {
+            layer.write(&mut out, self.profile, fitted, &ink);
         }
         out.push_str("</svg>\n");
         out
@@ -94,15 +151,39 @@ impl Drawing {
 }
 
 impl Layer {
-    fn write(&self, out: &mut String, profile: Profile, curves: &FitSettings, ink: &str) {
+    fn fitted(&self, profile: Profile, curves: &FitSettings) -> FittedLayer {
         let width = median(self.strokes.iter().flat_map(|s| s.widths.iter().copied()));
+        let lines = self.strokes.par_iter().flat_map_iter(|stroke| {
+            let own = stroke.widths.iter().sum::<f64>() / stroke.widths.len().max(1) as f64;
+            let other = (own - width).abs() > 1e-3;
+            let fills = profile == Profile::Print && (other || !stroke.is_even());
+            let lines = if fills {
+                filled(stroke)
+            } else {
+                vec![stroke.line.clone()]
+            };
+            let curve = |line: Polyline| FittedLine {
+                curve: fit(&line, curves),
+                filled: fills,
+                width: (profile == Profile::Edit && other).then_some(own),
+                primitive: stroke.primitive,
+            };
+            lines.into_iter().map(curve).collect::<Vec<_>>()
+        });
+        FittedLayer {
+            width,
+            lines: lines.filter(|l| !l.curve.pieces.is_empty()).collect(),
+        }
+    }
+
+    fn write(&self, out: &mut String, profile: Profile, fitted: &FittedLayer, ink: &str) {
         let _ = writeln!(
             out,
             "<g id=\"layer{0}\" inkscape:groupmode=\"layer\" inkscape:label=\"{0} {1}\" fill=\"none\" stroke=\"{ink}\" \
              stroke-width=\"{2}\" stroke-linecap=\"round\" stroke-linejoin=\"round\">",
             self.number,
             escaped(&self.name),
-            number(width),
+            number(fitted.width),
         );
         if !self.areas.is_empty() {
             let _ = write!(
@@ -115,60 +196,41 @@ impl Layer {
             out.push_str("\"/>\n");
         }
         match profile {
-            Profile::Plotter => self
-                .strokes
-                .iter()
-                .for_each(|s| write_line(out, s, curves, None)),
-            Profile::Print => self.write_filled(out, curves, ink, width),
-            Profile::Edit => self.write_groups(out, curves, width),
+            Profile::Plotter => fitted.lines.iter().for_each(|l| write_line(out, l)),
+            Profile::Print => fitted.write_batches(out, ink),
+            Profile::Edit => fitted.write_groups(out, self.number),
         }
         out.push_str("</g>\n");
     }
+}
 
+impl FittedLayer {
     /// Strokes of one width as one path, the others as outlines in another.
-    fn write_filled(&self, out: &mut String, curves: &FitSettings, ink: &str, width: f64) {
-        let even =
-            |s: &&Stroke| s.is_even() && s.widths.first().is_none_or(|w| (w - width).abs() < 1e-3);
-        if self.strokes.iter().any(|s| even(&s)) {
-            out.push_str("<path d=\"");
-            for stroke in self.strokes.iter().filter(even) {
-                write_path(out, &fit(&stroke.line, curves));
+    fn write_batches(&self, out: &mut String, ink: &str) {
+        for (filled, start) in [
+            (false, "<path d=\"".to_owned()),
+            (true, format!("<path fill=\"{ink}\" stroke=\"none\" d=\"")),
+        ] {
+            let mut lines = self.lines.iter().filter(|l| l.filled == filled).peekable();
+            if lines.peek().is_some() {
+                out.push_str(&start);
+                lines.for_each(|l| write_path(out, &l.curve));
+                out.push_str("\"/>\n");
             }
-            out.push_str("\"/>\n");
-        }
-        if self.strokes.iter().any(|s| !even(&s)) {
-            let _ = write!(out, "<path fill=\"{ink}\" stroke=\"none\" d=\"");
-            for stroke in self.strokes.iter().filter(|s| !even(s)) {
-                for outline in filled(stroke) {
-                    write_path(out, &fit(&outline, curves));
-                }
-            }
-            out.push_str("\"/>\n");
         }
     }
 
-    fn write_groups(&self, out: &mut String, curves: &FitSettings, width: f64) {
-        let mut of_primitive: std::collections::BTreeMap<Option<u32>, Vec<&Stroke>> =
+    fn write_groups(&self, out: &mut String, layer: u32) {
+        let mut of_primitive: std::collections::BTreeMap<Option<u32>, Vec<&FittedLine>> =
             std::collections::BTreeMap::new();
-        for stroke in &self.strokes {
-            of_primitive
-                .entry(stroke.primitive)
-                .or_default()
-                .push(stroke);
+        for line in &self.lines {
+            of_primitive.entry(line.primitive).or_default().push(line);
         }
-        for (primitive, strokes) in of_primitive {
+        for (primitive, lines) in of_primitive {
             if let Some(id) = primitive {
-                let _ = writeln!(
-                    out,
-                    "<g id=\"p{0}-{1}\" data-prim=\"{1}\">",
-                    self.number, id
-                );
+                let _ = writeln!(out, "<g id=\"p{layer}-{id}\" data-prim=\"{id}\">");
             }
-            for stroke in strokes {
-                let own = stroke.widths.iter().sum::<f64>() / stroke.widths.len().max(1) as f64;
-                let own = ((own - width).abs() > 1e-3).then_some(own);
-                write_line(out, stroke, curves, own);
-            }
+            lines.into_iter().for_each(|l| write_line(out, l));
             if primitive.is_some() {
                 out.push_str("</g>\n");
             }
@@ -176,17 +238,13 @@ impl Layer {
     }
 }
 
-fn write_line(out: &mut String, stroke: &Stroke, curves: &FitSettings, width: Option<f64>) {
-    let curve = fit(&stroke.line, curves);
-    if curve.pieces.is_empty() {
-        return;
-    }
+fn write_line(out: &mut String, line: &FittedLine) {
     out.push_str("<path");
-    if let Some(width) = width {
+    if let Some(width) = line.width {
         let _ = write!(out, " stroke-width=\"{}\"", number(width));
     }
     out.push_str(" d=\"");
-    write_path(out, &curve);
+    write_path(out, &line.curve);
     out.push_str("\"/>\n");
 }
 
