@@ -3,12 +3,13 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
 
-// A particle as a fan of triangles about its middle, parallel to the picture: its depth is the same
+// A particle as triangles parallel to the picture: its depth is the same
 // everywhere, so that thresholds do not depend on the place in it.
 
 layout(set = 0, binding = 0, scalar) restrict readonly buffer Frame { InkFrame frame; };
 layout(set = 0, binding = 1, scalar) restrict readonly buffer Particles { PaperParticle particles[]; };
 layout(set = 0, binding = 2, scalar) restrict readonly buffer Outlines { vec2 outlines[]; };
+layout(set = 0, binding = 3, scalar) restrict readonly buffer Corners { uint corners[]; };
 layout(push_constant, scalar) uniform Push { PaperPrimitive push; };
 
 #include "ink_primitive.glsl"
@@ -17,15 +18,19 @@ layout(location = 0) flat out vec2 out_depth_number;
 
 void main() {
     uint vertex = uint(gl_VertexIndex);
-    uint corners = 3u * push.points;
-    uint number = vertex / corners;
-    uint side = (vertex % corners) / 3u;
-    uint corner = vertex % 3u;
+    uint corners_each = 3u * push.points;
+    uint number = vertex / corners_each;
     PaperParticle particle = particles[number];
+    // Filled as the nearest of the nine views is.
+    uint view = 0u;
+    if (push.views == 9u) {
+        vec2 nearest = clamp(floor(particle.tilt + 1.5), vec2(0.0), vec2(2.0));
+        view = 3u * uint(nearest.y) + uint(nearest.x);
+    }
+    uint corner = corners[view * corners_each + vertex % corners_each];
     vec2 local = vec2(0.0);
-    if (corner > 0u) {
-        uint k = (side + corner - 1u) % push.points;
-        local = primitive_point(particle, k, push.points, push.views, push.deformation);
+    if (corner != PAPER_MIDDLE) {
+        local = primitive_point(particle, corner, push.points, push.views, push.deformation);
     }
     vec3 position = particle.centre + particle.radius * (local.x * frame.right + local.y * frame.up);
     // Exact as a float up to 2^24 particles.

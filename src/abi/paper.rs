@@ -13,6 +13,8 @@ abi! {
         PAPER_DEPTHS: f32 = 65535.0;
         /// Half width at most to which lines are widened, pixels.
         PAPER_WIDEN: i32 = 6;
+        /// Number of a primitive's middle among the corners of its triangles.
+        PAPER_MIDDLE: u32 = 0xffff_ffff;
         /// Steps of a program at most.
         PAPER_OPS: u32 = 64;
         /// Values on a program's stack at most.

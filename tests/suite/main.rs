@@ -56,6 +56,7 @@ mod paper;
 mod paper_frames;
 mod paper_lines;
 mod paper_modulation;
+mod paper_polygons;
 mod paper_round;
 mod paper_stems;
 mod paper_svg;

@@ -6,9 +6,15 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec2;
 
 use super::style::{Form, Primitive};
+use crate::abi::PAPER_MIDDLE;
+use crate::scene::import::polygon::triangulate;
 
-/// Points of outlines that are drawn as triangles.
+/// Points of outlines that are drawn as triangles, if they are not finer themselves.
 pub const POINTS: usize = 32;
+/// Points of finer ones at most.
+const MOST_POINTS: usize = 128;
+/// Points of files' outlines at most: each pair of sides is compared.
+const MOST_CHECKED: usize = 4096;
 /// Points of discs and ellipses, which are triangles nowhere.
 const ROUND: usize = 96;
 
@@ -17,8 +23,8 @@ const ROUND: usize = 96;
 /// first where the leaf is fixed.
 ///
 /// # Errors
-/// An outline of fewer than three points, of no area, outside the unit disc, that crosses itself or
-/// is not seen whole from its middle; not nine views.
+/// An outline of fewer than three points, of no area, outside the unit disc or that crosses itself;
+/// not nine views.
 pub fn views(primitive: &Primitive) -> Result<Vec<Vec<DVec2>>, String> {
     let ring = |radius: DVec2| {
         let at = |k: usize| {
@@ -32,8 +38,12 @@ pub fn views(primitive: &Primitive) -> Result<Vec<Vec<DVec2>>, String> {
         Form::Ellipse => Ok(vec![ring(DVec2::new(1.0, primitive.aspect))]),
         Form::Leaf => Ok(tilted(&pointed())),
         Form::Maple => Ok(tilted(&lobed())),
-        Form::Polygon(points) => Ok(vec![checked(points)?]),
-        Form::Views(all) if all.len() == 9 => all.iter().map(|p| checked(p)).collect(),
+        Form::Polygon(points) => own(std::slice::from_ref(points)),
+        Form::Views(all) if all.len() == 9 => own(all),
+        Form::File(path) => Err(format!(
+            "primitive.form: {} is read with the style's own file only",
+            path.display()
+        )),
         Form::Views(all) => Err(format!(
             "primitive.form: {} views, expected nine",
             all.len()
@@ -86,33 +96,107 @@ fn tilted(flat: &[DVec2]) -> Vec<Vec<DVec2>> {
     (0..9).map(view).collect()
 }
 
-/// The outline of `points`, with [`POINTS`] points at equal ways.
+/// Outlines of one's own with equally many points: one keeps its corners, of nine the points
+/// correspond by their share of the way round.
+fn own(all: &[Vec<[f64; 2]>]) -> Result<Vec<Vec<DVec2>>, String> {
+    let rings: Vec<Vec<DVec2>> = all.iter().map(|p| checked(p)).collect::<Result<_, _>>()?;
+    let most = rings.iter().map(Vec::len).max().unwrap_or(0);
+    let count = most.clamp(POINTS, MOST_POINTS);
+    let out: Vec<Vec<DVec2>> = match rings.as_slice() {
+        [one] if one.len() <= count => vec![refined(one, count)],
+        rings => rings.iter().map(|r| resampled(r, count)).collect(),
+    };
+    // Points at equal ways may cut a narrow corner off.
+    for ring in &out {
+        uncrossed(ring)?;
+    }
+    Ok(out)
+}
+
+/// A ring that may be filled.
 fn checked(points: &[[f64; 2]]) -> Result<Vec<DVec2>, String> {
     let wrong = |why: &str| Err(format!("primitive.form: {why}"));
-    let ring: Vec<DVec2> = points.iter().copied().map(DVec2::from).collect();
-    if ring.len() < 3 {
-        return wrong("an outline needs at least three points");
-    }
+    let mut ring: Vec<DVec2> = points.iter().copied().map(DVec2::from).collect();
     if !ring.iter().all(|p| p.length() <= 1.0 + 1e-9) {
         return wrong("points lie within the unit disc about the middle");
     }
-    let count = ring.len();
-    let turn = |i: usize| ring[i].perp_dot(ring[(i + 1) % count]);
-    let area: f64 = (0..count).map(turn).sum::<f64>() * 0.5;
-    if area.abs() < 1e-6 {
+    // The first point may be said again at the end.
+    if ring.len() > 1 && ring.first() == ring.last() {
+        ring.pop();
+    }
+    ring.dedup();
+    if ring.len() < 3 {
+        return wrong("an outline needs at least three points");
+    }
+    if ring.len() > MOST_CHECKED {
+        return wrong(&format!(
+            "an outline of {} points: at most {MOST_CHECKED}",
+            ring.len()
+        ));
+    }
+    uncrossed(&ring)?;
+    if area(&ring).abs() < 1e-6 {
         return wrong("the outline has no area");
     }
-    // Seen whole from the middle, all the way round one way: then it does not cross itself either.
-    if !(0..count).all(|i| turn(i) * area.signum() >= -1e-12) {
-        return wrong("the outline must be seen whole from its middle (0, 0) and not cross itself");
+    Ok(ring)
+}
+
+/// Twice the area would be the sum; with its sign.
+fn area(ring: &[DVec2]) -> f64 {
+    let count = ring.len();
+    let turn = |i: usize| ring[i].perp_dot(ring[(i + 1) % count]);
+    0.5 * (0..count).map(turn).sum::<f64>()
+}
+
+/// Refuses a ring of which two sides cross, naming them.
+fn uncrossed(ring: &[DVec2]) -> Result<(), String> {
+    let count = ring.len();
+    let side = |i: usize| (ring[i], ring[(i + 1) % count]);
+    let left = |(a, b): (DVec2, DVec2), p: DVec2| (b - a).perp_dot(p - a);
+    for i in 0..count {
+        for j in i + 2..count {
+            let (one, other) = (side(i), side(j));
+            let crosses = left(one, other.0) * left(one, other.1) < 0.0
+                && left(other, one.0) * left(other, one.1) < 0.0;
+            if crosses && (j + 1) % count != i {
+                return Err(format!(
+                    "primitive.form: the outline crosses itself: sides {} and {}",
+                    i + 1,
+                    j + 1
+                ));
+            }
+        }
     }
+    Ok(())
+}
+
+/// More points on the longest sides.
+fn refined(ring: &[DVec2], count: usize) -> Vec<DVec2> {
+    let mut pieces = vec![1_usize; ring.len()];
+    let length = |i: usize| ring[i].distance(ring[(i + 1) % ring.len()]);
+    for _ in ring.len()..count {
+        let long = |&i: &usize| length(i) / pieces[i] as f64;
+        let longest = (0..ring.len()).max_by(|a, b| long(a).total_cmp(&long(b)));
+        pieces[longest.unwrap_or(0)] += 1;
+    }
+    let split = |i: usize| {
+        let n = pieces[i];
+        let at = move |k: usize| ring[i].lerp(ring[(i + 1) % ring.len()], k as f64 / n as f64);
+        (0..n).map(at)
+    };
+    (0..ring.len()).flat_map(split).collect()
+}
+
+/// Points at equal ways.
+fn resampled(ring: &[DVec2], points: usize) -> Vec<DVec2> {
+    let count = ring.len();
     let length: f64 = (0..count)
         .map(|i| ring[i].distance(ring[(i + 1) % count]))
         .sum();
-    let mut out = Vec::with_capacity(POINTS);
+    let mut out = Vec::with_capacity(points);
     let (mut side, mut gone) = (0, 0.0);
-    for k in 0..POINTS {
-        let wanted = length * k as f64 / POINTS as f64;
+    for k in 0..points {
+        let wanted = length * k as f64 / points as f64;
         loop {
             let long = ring[side].distance(ring[(side + 1) % count]);
             if gone + long >= wanted || side + 1 == count {
@@ -128,7 +212,32 @@ fn checked(points: &[[f64; 2]]) -> Result<Vec<DVec2>, String> {
             side += 1;
         }
     }
-    Ok(out)
+    out
+}
+
+/// Triangles that fill each of the outlines, three points for each of an outline's points:
+/// numbers of its points, or [`PAPER_MIDDLE`]. Outlines that are seen whole from their middle are
+/// fans about it, others are cut ear by ear.
+#[must_use]
+pub fn triangles(views: &[Vec<DVec2>]) -> Vec<u32> {
+    let fill = |ring: &Vec<DVec2>| {
+        let count = ring.len();
+        let sign = area(ring).signum();
+        let turn = |i: usize| ring[i].perp_dot(ring[(i + 1) % count]) * sign;
+        if (0..count).all(|i| turn(i) >= -1e-12) {
+            let corner = |k: usize| [PAPER_MIDDLE, k as u32, ((k + 1) % count) as u32];
+            return (0..count).flat_map(corner).collect::<Vec<u32>>();
+        }
+        let places: Vec<_> = ring.iter().map(|p| p.extend(0.0)).collect();
+        let mut out: Vec<u32> = triangulate(&places)
+            .iter()
+            .flat_map(|t| t.map(|k| k as u32))
+            .collect();
+        // Two triangles fewer than points: the last are of no size.
+        out.resize(3 * count, 0);
+        out
+    };
+    views.iter().flat_map(fill).collect()
 }
 
 /// Place among the nine views of a leaf whose normal is `normal` in the camera's frame (x right, y
@@ -237,8 +346,9 @@ mod tests {
             (vec![[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]], "unit disc"),
             (
                 vec![[0.6, 0.5], [-0.5, -0.5], [0.5, -0.5], [-0.5, 0.7]],
-                "cross",
+                "crosses itself: sides 1 and 3",
             ),
+            (vec![[0.0, 0.0], [0.5, 0.5], [0.0, 0.0]], "three points"),
             (vec![[f64::NAN, 0.0], [0.0, 1.0], [1.0, 0.0]], "unit disc"),
         ] {
             let error = of(Form::Polygon(points.clone())).unwrap_err();
@@ -248,5 +358,54 @@ mod tests {
             );
         }
         assert!(of(Form::Views(vec![])).unwrap_err().contains("nine"));
+    }
+
+    #[test]
+    fn outlines_that_are_not_seen_whole_from_their_middle_are_cut_into_triangles() {
+        // A hook, a comb, a spiral whose middle lies outside.
+        let hook = vec![
+            [-0.6, -0.7],
+            [0.6, -0.7],
+            [0.6, 0.7],
+            [0.3, 0.7],
+            [0.3, -0.4],
+            [-0.6, -0.4],
+        ];
+        let mut comb = vec![[-0.7, -0.7], [0.7, -0.7]];
+        for k in 0..6 {
+            let x = 0.65 - 0.22 * f64::from(k);
+            comb.extend([[x, 0.7], [x - 0.08, 0.7], [x - 0.1, -0.5], [x - 0.2, -0.5]]);
+        }
+        let arm = |r: f64, k: i32| {
+            let p = r * f64::from(k) / 40.0 * DVec2::from_angle(0.25 * f64::from(k));
+            [p.x, p.y]
+        };
+        let mut spiral: Vec<[f64; 2]> = (8..40).map(|k| arm(1.0, k)).collect();
+        spiral.extend((8..40).rev().map(|k| arm(0.8, k)));
+        for points in [hook, comb, spiral] {
+            for reversed in [false, true] {
+                let mut points = points.clone();
+                if reversed {
+                    points.reverse();
+                }
+                let exact: Vec<DVec2> = points.iter().copied().map(DVec2::from).collect();
+                let rings = own(&[points]).unwrap();
+                let ring = &rings[0];
+                assert!((area(ring) - area(&exact)).abs() < 1e-9, "corners are kept");
+                let all = triangles(&rings);
+                assert_eq!(all.len(), 3 * ring.len());
+                let sum: f64 = all
+                    .chunks_exact(3)
+                    .map(|t| {
+                        let [a, b, c] = [0, 1, 2].map(|k| ring[t[k] as usize]);
+                        0.5 * (b - a).perp_dot(c - a).abs()
+                    })
+                    .sum();
+                assert!((sum - area(&exact).abs()).abs() < 1e-9, "{sum}");
+            }
+        }
+        let maple = triangles(&tilted(&lobed()));
+        assert_eq!(maple.len(), 9 * 3 * POINTS);
+        assert!(maple.chunks_exact(3).all(|t| t[0] == PAPER_MIDDLE), "a fan");
     }
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::factors::{Factors, Read};
 use super::laid::has_strokes;
 use super::particles::{Particle, records};
-use super::polygon::{self, POINTS};
+use super::polygon;
 use super::style::{Form, PaperStyle, ShadowForm};
 use super::sun::SunMap;
 use super::tones::Tones;
@@ -92,6 +92,9 @@ pub struct PaperRenderer {
     frame: Buffer,
     particles: Buffer,
     outlines: Buffer,
+    corners: Buffer,
+    /// Points of an outline.
+    points: u32,
     positions: Buffer,
     normals: Buffer,
     indices: Buffer,
@@ -182,6 +185,8 @@ impl PaperRenderer {
                 count * size_of::<PaperParticle>() as u64,
             ))?,
             outlines: gpu.upload("paper outlines", &outlines)?,
+            corners: gpu.upload("paper corners", &polygon::triangles(&views))?,
+            points: views[0].len() as u32,
             positions: gpu.upload("positions", &g.positions)?,
             normals: gpu.upload("normals", &g.normals)?,
             indices: gpu.upload("stem indices", scene.stems)?,
@@ -417,6 +422,7 @@ impl PaperRenderer {
             Binding::Read(eye.frame),
             Binding::Read(&self.particles),
             Binding::Read(&self.outlines),
+            Binding::Read(&self.corners),
         ];
         let round = is_round(&self.style);
         let set = if round { &set[..2] } else { &set[..] };
@@ -432,11 +438,11 @@ impl PaperRenderer {
                 return draws.draw(0..3 * count, 1);
             }
             draws.push(&PaperPrimitive {
-                points: POINTS as u32,
-                views: (self.outlines.bytes() / (POINTS as u64 * 8)) as u32,
+                points: self.points,
+                views: (self.outlines.bytes() / (u64::from(self.points) * 8)) as u32,
                 deformation: p.deformation as f32,
             })?;
-            draws.draw(0..3 * POINTS as u32 * count, 1)
+            draws.draw(0..3 * self.points * count, 1)
         })
     }
 

@@ -1,11 +1,12 @@
 //! How a drawing on paper is made: particles, primitives, thresholds and pens, in a file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use super::modulation::{Modulation, Programs, resolve};
 use super::pen::Pen;
+pub use super::sizes::paper_size;
 use super::svg::Profile;
 use super::tiles::Tiles;
 use super::vectors::Vectors;
@@ -83,6 +84,9 @@ pub enum Form {
     /// Nine of them, row by row of a grid: the leaf's normal to the left, ahead, to the right;
     /// down, ahead, up.
     Views(Vec<Vec<[f64; 2]>>),
+    /// One or nine of them in a file (SVG, TOML) beside the style's
+    /// ([`outlines`](super::polygon_file::outlines)); with the style they become one of the two above.
+    File(PathBuf),
 }
 
 /// What leaves are drawn as.
@@ -398,8 +402,14 @@ impl PaperStyle {
             if !table.contains_key("kind") {
                 return Ok(None);
             }
-            let mut style = Self::parse(&text).map_err(|e| Error::file(path, e))?;
-            resolve(&mut style, path.parent().unwrap_or(Path::new("")))?;
+            let mut style: Self =
+                toml::from_str(&text).map_err(|e| Error::file(path, e.to_string()))?;
+            let folder = path.parent().unwrap_or(Path::new(""));
+            if let Form::File(file) = &style.primitive.form {
+                style.primitive.form = super::polygon_file::outlines(&folder.join(file))?;
+            }
+            let mut style = style.checked().map_err(|e| Error::file(path, e))?;
+            resolve(&mut style, folder)?;
             return Ok(Some(style));
         }
         let Some((_, text)) = PRESETS.iter().find(|p| p.0 == name) else {
@@ -416,6 +426,12 @@ impl PaperStyle {
     /// What is wrong, and where.
     pub fn parse(text: &str) -> std::result::Result<Self, String> {
         let style: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+        style.checked()
+    }
+
+    /// Itself, if its version is known and its numbers are in range.
+    fn checked(self) -> std::result::Result<Self, String> {
+        let style = self;
         if style.format_version != FORMAT_VERSION {
             return Err(format!(
                 "format_version {}: this program reads {FORMAT_VERSION}",
@@ -518,39 +534,6 @@ impl PaperStyle {
     }
 }
 
-/// Width and height, millimetres, of a paper by its name (upright), or `WIDTHxHEIGHT`.
-///
-/// # Errors
-/// The names that there are.
-pub fn paper_size(text: &str) -> std::result::Result<[f64; 2], String> {
-    let named = match text.to_ascii_lowercase().as_str() {
-        "a6" => Some([105.0, 148.0]),
-        "a5" => Some([148.0, 210.0]),
-        "a4" => Some([210.0, 297.0]),
-        "a3" => Some([297.0, 420.0]),
-        "a2" => Some([420.0, 594.0]),
-        "a1" => Some([594.0, 841.0]),
-        "a0" => Some([841.0, 1189.0]),
-        "letter" => Some([215.9, 279.4]),
-        "tabloid" => Some([279.4, 431.8]),
-        _ => None,
-    };
-    let turned = text
-        .strip_suffix("-landscape")
-        .and_then(|upright| paper_size(upright).ok())
-        .map(|[w, h]| [h, w]);
-    let given = || {
-        let (w, h) = text.split_once('x')?;
-        let size = [w.trim().parse::<f64>().ok()?, h.trim().parse::<f64>().ok()?];
-        size.iter()
-            .all(|s| (10.0..=5000.0).contains(s))
-            .then_some(size)
-    };
-    named.or(turned).or_else(given).ok_or_else(|| {
-        "expected a6 to a0, letter, tabloid (with -landscape: turned) or WIDTHxHEIGHT in millimetres, 10 to 5000".into()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -582,16 +565,6 @@ mod tests {
         ] {
             let error = PaperStyle::parse(&format!("{base}{text}")).unwrap_err();
             assert!(error.contains(said), "{text}: {error}");
-        }
-    }
-
-    #[test]
-    fn papers_have_their_names_and_any_size() {
-        assert_eq!(paper_size("A4"), Ok([210.0, 297.0]));
-        assert_eq!(paper_size("a3-landscape"), Ok([420.0, 297.0]));
-        assert_eq!(paper_size("100x80.5"), Ok([100.0, 80.5]));
-        for wrong in ["a9", "0x5", "nanx20", "", "-landscape"] {
-            assert!(paper_size(wrong).unwrap_err().contains("letter"), "{wrong}");
         }
     }
 }

@@ -14,7 +14,7 @@ mod numbers;
 mod obj;
 mod obj_materials;
 mod overrides;
-mod polygon;
+pub(crate) mod polygon;
 mod texture_search;
 
 use std::path::{Path, PathBuf};

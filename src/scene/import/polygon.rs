@@ -1,4 +1,4 @@
-//! Triangulation of the planar polygons of OBJ faces by ear clipping.
+//! Triangulation of planar polygons (OBJ faces, outlines of drawings) by ear clipping.
 
 use glam::{DVec2, DVec3};
 
@@ -7,7 +7,7 @@ const EAR_CLIPPING_LIMIT: usize = 512;
 
 /// Triangles of a polygon, as indices into `corners`, in the polygon's orientation. Always
 /// `corners.len() - 2` of them; self-crossing or degenerate polygons get a defined answer.
-pub(super) fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
+pub(crate) fn triangulate(corners: &[DVec3]) -> Vec<[usize; 3]> {
     let n = corners.len();
     match n {
         0..=2 => vec![],
