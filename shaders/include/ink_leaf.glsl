@@ -66,7 +66,9 @@ vec3 leaf_corner(InkLeaf leaf, InkCluster cluster, InkStyle style, float rank, v
     float radius = leaf.radius * style.size * presence(rank, style.kept);
     // Longer and narrower, with the area that it had.
     vec2 extent = radius * vec2(inversesqrt(style.elongation), sqrt(style.elongation));
-    return place + extent.x * local.x * cross(axis, normal) + extent.y * local.y * axis;
+    // Of the two sides that a leaf has the normal may be the other one's; it is not mirrored by that.
+    vec3 side = dot(leaf.normal, normal) < 0.0 ? cross(normal, axis) : cross(axis, normal);
+    return place + extent.x * local.x * side + extent.y * local.y * axis;
 }
 
 #endif

@@ -29,6 +29,7 @@ mod ink_bodies;
 mod ink_looks;
 mod ink_mix;
 mod ink_motion;
+mod ink_outlines;
 mod ink_strokes;
 mod ink_tone;
 mod ink_way;
