@@ -4,7 +4,9 @@
 // Hatch coordinates of smooth bodies, tiles (Coconu, Deussen, Hege 2006, equations 9 and 10): the
 // direction from the cluster's centre, as an angle from the front point R, times the distance in
 // radii. The angle is kept along its own direction (as on a map that is true from its middle):
-// with the two angles of equation 3 strokes would fold where the direction is near up.
+// with the two angles of equation 3 strokes would fold where the direction is near up. A surface also
+// has places behind the middle, where that angle passes a right one and would go round in a leap:
+// they are hatched as the picture shows them, by what a right angle makes of their distance.
 vec2 body_hatch(InkCluster cluster, vec3 place, vec3 eye, vec3 right, vec3 up) {
     vec3 away = place - cluster.centre;
     float reach = length(away);
@@ -18,8 +20,9 @@ vec2 body_hatch(InkCluster cluster, vec3 place, vec3 eye, vec3 right, vec3 up) {
     if (size <= 1e-9 * cluster.radius) {
         return cluster.reference;
     }
-    float angle = atan(size, dot(away, front));
-    vec2 offset = flat_part * (angle / size * reach / cluster.radius);
+    float before = dot(away, front);
+    float scale = before > 0.0 ? atan(size, before) * reach / size : 0.5 * 3.14159265;
+    vec2 offset = flat_part * (scale / cluster.radius);
     vec2 v = cluster.texture_up;
     vec2 turned = vec2(v.y * offset.x - v.x * offset.y, v.x * offset.x + v.y * offset.y);
     return cluster.reference + cluster.tiles * (1.0 / 3.14159265) * turned;

@@ -2,6 +2,7 @@
 
 #include "stage1.glsl"
 #include "tone.glsl"
+#include "ink_hatch.glsl"
 #include "ink_wood.glsl"
 #include "ink_style.glsl"
 
@@ -53,9 +54,9 @@ Attributes wood_attributes() {
     vec4 dx = dFdx(in_hatch);
     vec4 dy = dFdy(in_hatch);
     if (push.strokes == INK_STROKES_BODY) {
-        // The mean of a pixel's two extents in the tile.
-        float texels = sqrt(abs(dx.x * dy.y - dx.y * dy.x)) * float(INK_TILE);
-        a.hatch = vec3(fract(in_hatch.xy), log2(max(texels, 1e-6)));
+        // The root mean square of a pixel's extents in the tile: where the map folds one is nothing.
+        float texels = sqrt(0.5 * (dot(dx.xy, dx.xy) + dot(dy.xy, dy.xy))) * float(INK_TILE);
+        a.hatch = hatch_octave(in_hatch.xy, log2(max(texels, 1e-6)));
     } else {
         bool along = style.wood_strokes == INK_STROKES_ALONG;
         a.hatch = wood_hatch(in_hatch, dx, dy, style.wood_tiles, along);

@@ -1,7 +1,7 @@
 //! Twin of `ink_body.glsl`: hatch coordinates of smooth bodies (Coconu, Deussen, Hege 2006,
 //! equations 9 and 10).
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec2, DVec3};
 
@@ -32,8 +32,14 @@ pub fn body_hatch(
     if flat.length() <= 1e-9 * radius {
         return reference;
     }
-    let angle = flat.length().atan2(away.dot(front));
-    let offset = flat.normalize() * angle * away.length() / radius;
+    let before = away.dot(front);
+    // Behind the middle as at a right angle.
+    let scale = if before > 0.0 {
+        flat.length().atan2(before) * away.length() / flat.length()
+    } else {
+        FRAC_PI_2
+    };
+    let offset = flat * scale / radius;
     let v = DVec2::from(cluster.texture_up.map(f64::from));
     let turned = DVec2::new(
         v.y * offset.x - v.x * offset.y,
@@ -70,6 +76,22 @@ mod tests {
             let sphere = 0.5 * DVec3::new(0.0, angle.sin(), angle.cos());
             assert!((at(sphere).y - 3.0 * angle / PI).abs() < 1e-12, "{angle}");
         }
+    }
+
+    #[test]
+    fn behind_the_middle_nothing_leaps_or_folds() {
+        // The angle alone would be near pi on both sides, in opposite directions.
+        let place = |x: f64, z: f64| at(DVec3::new(x, 0.05, z));
+        for z in [-0.3, -1e-6, 1e-6, 0.3] {
+            let mut last = place(-0.2, z).x;
+            for k in 1..=40 {
+                let now = place(-0.2 + 0.01 * f64::from(k), z).x;
+                assert!(now > last && now - last < 0.04, "{z}: {last} to {now}");
+                last = now;
+            }
+        }
+        let across = place(0.2, 1e-9) - place(0.2, -1e-9);
+        assert!(across.length() < 1e-6, "{across}");
     }
 
     #[test]

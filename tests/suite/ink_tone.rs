@@ -1,21 +1,22 @@
 //! Tone of drawings: what hatching gives from afar against what was asked for.
 
 use glam::{DVec3, Vec3};
-use umbrage::foliage::{Leaves, Primitive, Split};
+use umbrage::foliage::{self, Leaves, Split};
 use umbrage::ink::leaves::LeafTriangles;
 use umbrage::ink::mix::Mix;
 use umbrage::ink::plan::Attribute;
 use umbrage::ink::plant::Plant;
 use umbrage::ink::renderer::{InkRenderer, InkScene};
-use umbrage::ink::strokes::tile_of;
+use umbrage::ink::strokes::{Stroke, tile_of};
 use umbrage::ink::style::Style;
 use umbrage::ink::view::View;
 use umbrage::math::packing::f16_to_f32;
 use umbrage::reference::ink_tile::ink_of_tile;
 use umbrage::scene::grow::{self, GrowOptions, Species};
-use umbrage::scene::{Camera, Geometry};
+use umbrage::scene::{Camera, Geometry, Instance, Material, Mesh, Model, Primitive};
 
 use crate::fixture;
+use crate::ink::{Disc, cards};
 
 const SIZE: [u32; 2] = [320, 320];
 /// Darkness beyond it is drawn as this.
@@ -36,45 +37,152 @@ fn halves(bytes: &[u8]) -> Vec<f64> {
         .collect()
 }
 
-/// A shrub in nothing but hatching, black on white.
-fn shrub(hatching: &str) -> Hatched {
-    let gpu = fixture::gpu();
+/// What is hatched: leaves, if it has any, else a smooth body.
+struct Thing {
+    model: Model,
+    eye: DVec3,
+    fov: f64,
+    /// Pattern of what is foliage.
+    foliage: &'static str,
+    /// The style beside hatching.
+    style: &'static str,
+}
+
+/// A shrub of large leaves on its clusters' spheres.
+fn shrub() -> Thing {
     let options = GrowOptions {
         leaves: Some(1500),
         ..GrowOptions::default()
     };
-    let model = grow::grow(Species::Shrub, &options).unwrap();
-    let geometry = Geometry::flatten(&model);
-    let split = Split::new(&model, &geometry, None).unwrap();
-    let leaves = Leaves::new(&geometry.positions, &split.foliage_indices, Primitive::Leaf);
+    Thing {
+        model: grow::grow(Species::Shrub, &options).unwrap(),
+        eye: DVec3::new(0.0, 1.0, 4.0),
+        fov: 40.0,
+        foliage: "leaf",
+        style: "[leaves]\norientation = 1.0\nsize = 2.5\nshape = 0.0\ncluster_radius = 0.4\n\
+                displacement = 1.0\nfacing = 1.0\n\
+                [shading]\ncrown = 0.0\ndepth = 0.0\n",
+    }
+}
+
+/// A surface over `[0, 1]^2` as a smooth body.
+fn body(at: impl Fn(f32, f32) -> (Vec3, Vec3), style: &'static str) -> Thing {
+    let mut part = Primitive::default();
+    let cells = 48;
+    for y in 0..=cells {
+        for x in 0..=cells {
+            let (place, normal) = at(x as f32 / cells as f32, y as f32 / cells as f32);
+            part.positions.push(place.to_array());
+            part.normals.push(normal.to_array());
+        }
+    }
+    for i in (0..cells * cells).map(|i| i / cells * (cells + 1) + i % cells) {
+        let below = i + cells + 1;
+        part.indices
+            .extend([i, below, i + 1, i + 1, below, below + 1]);
+    }
+    let instance = Instance {
+        name: "body".into(),
+        mesh: 0,
+        local_to_world: glam::DAffine3::IDENTITY,
+        source: None,
+    };
+    Thing {
+        model: Model {
+            name: "body".into(),
+            meshes: vec![Mesh {
+                name: "body".into(),
+                primitives: vec![part],
+            }],
+            instances: vec![instance],
+            materials: vec![Material::default()],
+            ..Model::default()
+        },
+        eye: DVec3::new(0.0, 0.0, 4.0),
+        fov: 36.0,
+        foliage: "leaf",
+        style,
+    }
+}
+
+/// A plane of 2 m that faces the viewer; its normals turn from side to side, so that its tone goes
+/// from light to dark.
+fn plane() -> Thing {
+    let at = |x: f32, y: f32| {
+        let turn = 2.4 * (0.5 - x);
+        (
+            Vec3::new(2.0 * x - 1.0, 1.0 - 2.0 * y, 0.0),
+            Vec3::new(-turn.sin(), 0.0, turn.cos()),
+        )
+    };
+    body(
+        at,
+        "[bodies]\nsmooth = true\ncluster_radius = 0.2\n[shading]\nambient = 0.1\n",
+    )
+}
+
+fn on_sphere(x: f32, y: f32) -> Vec3 {
+    let (turn, down) = (std::f32::consts::TAU * x, std::f32::consts::PI * y);
+    Vec3::new(down.sin() * turn.sin(), down.cos(), down.sin() * turn.cos())
+}
+
+/// A sphere of 1 m as a smooth body.
+fn smooth_sphere() -> Thing {
+    let at = |x: f32, y: f32| (on_sphere(x, y), on_sphere(x, y));
+    body(at, "[bodies]\nsmooth = true\ncluster_radius = 0.15\n")
+}
+
+/// Cards on a sphere of 1 m, which one cluster holds.
+fn sphere() -> Thing {
+    let discs = (0..900).map(|i| {
+        // Equal areas, turned by the golden angle.
+        let down = (1.0 - (i as f32 + 0.5) / 450.0).acos() / std::f32::consts::PI;
+        Disc {
+            at: on_sphere(i as f32 * 0.381_966, down),
+            radius: 0.12,
+        }
+    });
+    Thing {
+        model: cards(&discs.collect::<Vec<_>>()),
+        eye: DVec3::new(0.0, 0.0, 4.0),
+        fov: 36.0,
+        foliage: ".*",
+        style: "[leaves]\norientation = 1.0\nshape = 0.0\ncluster_radius = 1.0\n\
+                displacement = 1.0\nfacing = 1.0\n\
+                [shading]\ncrown = 0.0\ndepth = 0.0\n",
+    }
+}
+
+/// A thing in nothing but hatching, black on white.
+fn hatched(thing: &Thing, hatching: &str) -> Hatched {
+    let gpu = fixture::gpu();
+    let model = &thing.model;
+    let geometry = Geometry::flatten(model);
+    let split = Split::with_or_without(model, &geometry, Some(thing.foliage)).unwrap();
+    let leaves = Leaves::new(
+        &geometry.positions,
+        &split.foliage_indices,
+        foliage::Primitive::Leaf,
+    );
     let triangles = LeafTriangles {
         indices: &split.foliage_indices,
         first: &leaves.first,
         triangles: &leaves.triangles,
     };
     let style = Style::parse(&format!(
-        "format_version = 1\ndescription = \"tone\"\n\
-         [leaves]\norientation = 1.0\nsize = 2.5\nshape = 0.0\ncluster_radius = 0.4\n\
-         displacement = 1.0\nfacing = 1.0\n\
-         [shading]\ncrown = 0.0\ndepth = 0.0\n\
+        "format_version = 1\ndescription = \"tone\"\n{}\
          [hatching]\nstrength = 1.0\n{hatching}\n\
-         [paper]\ncolour = [1.0, 1.0, 1.0]\nink = [0.0, 0.0, 0.0]\n"
+         [paper]\ncolour = [1.0, 1.0, 1.0]\nink = [0.0, 0.0, 0.0]\n",
+        thing.style
     ))
     .unwrap();
     let foliage = &split.foliage_parts;
-    let plant = Plant::new(
-        &model,
-        &geometry,
-        triangles,
-        foliage,
-        None,
-        std::slice::from_ref(&style),
-    )
-    .unwrap();
+    let styles = std::slice::from_ref(&style);
+    let plant = Plant::new(model, &geometry, triangles, foliage, None, styles).unwrap();
     let camera = Camera {
-        eye: DVec3::new(0.0, 1.0, 4.0),
+        eye: thing.eye,
         forward: DVec3::NEG_Z,
-        fov: 40.0,
+        fov: thing.fov,
         aspect: 1.0,
         near: 0.01,
         roll: 0.0,
@@ -82,7 +190,7 @@ fn shrub(hatching: &str) -> Hatched {
     let to_sun = Vec3::new(0.6, 0.6, 0.5).normalize();
     let view = View::new(camera, geometry.origin, SIZE, to_sun, &geometry.positions);
     let scene = InkScene {
-        model: &model,
+        model,
         geometry: &geometry,
         plant: &plant,
     };
@@ -157,35 +265,62 @@ fn tone_error(drawn: &Hatched, sigma: f64) -> f64 {
     (sum / count).sqrt()
 }
 
-#[test]
-fn hatching_has_the_tone_that_is_asked_for() {
-    let drawn = shrub("scale = 0.5");
+/// Strokes of the tile with one number changed.
+fn strokes_with(style: &Style, change: impl Fn(&mut [f32; 8])) -> String {
+    let listed = tile_of(style).unwrap().strokes;
+    let one = |s: &Stroke| {
+        let mut numbers = s.to_listed();
+        change(&mut numbers);
+        format!("{numbers:?}")
+    };
+    let listed: Vec<String> = listed.iter().map(one).collect();
+    format!("scale = 0.5\nstrokes = [{}]", listed.join(", "))
+}
+
+/// The error of a thing's tone, through a Gaussian of twice the spacing of strokes at its own mean
+/// tone; and what that is of strokes twice as wide as their tones were made for.
+fn measured(name: &str, thing: &Thing, limit: f64) {
+    let drawn = hatched(thing, "scale = 0.5");
     let wanted: Vec<f64> = drawn.wanted.iter().flatten().copied().collect();
     let mean = wanted.iter().sum::<f64>() / wanted.len() as f64;
-    // Twice the spacing of strokes at the drawing's own mean tone.
     let sigma = 2.0 * 1.7 / mean;
     let error = tone_error(&drawn, sigma);
-    println!("tone error of a shrub: {error:.4}, mean tone {mean:.3}, sigma {sigma:.1} pixels");
-    assert!(error <= 0.03, "{error}");
-    // Strokes twice as wide as their tones were made for.
-    let wide: Vec<String> = tile_of(&drawn.style)
-        .unwrap()
-        .strokes
-        .iter()
-        .map(|s| {
-            let mut numbers = s.to_listed();
-            numbers[5] *= 1.6;
-            format!("{numbers:?}")
-        })
-        .collect();
-    let wrong = shrub(&format!("scale = 0.5\nstrokes = [{}]", wide.join(", ")));
-    let error = tone_error(&wrong, sigma);
-    assert!(error > 0.03, "wider strokes must be told: {error}");
+    let wide = strokes_with(&drawn.style, |numbers| numbers[5] *= 1.6);
+    let wrong = tone_error(&hatched(thing, &wide), sigma);
+    println!(
+        "tone error of a {name}: {error:.4}, mean tone {mean:.3}, sigma {sigma:.1} pixels; of wider strokes {wrong:.4}"
+    );
+    assert!(error <= limit, "{name}: {error}");
+    assert!(
+        wrong > 2.0 * limit,
+        "{name}: wider strokes must be told: {wrong}"
+    );
+}
+
+#[test]
+fn hatching_of_leaves_has_the_tone_that_is_asked_for() {
+    measured("shrub", &shrub(), 0.03);
+}
+
+#[test]
+fn hatching_of_a_plane_has_the_tone_that_is_asked_for() {
+    measured("plane", &plane(), 0.03);
+}
+
+#[test]
+fn hatching_of_a_sphere_has_the_tone_that_is_asked_for() {
+    measured("sphere", &sphere(), 0.03);
+}
+
+#[test]
+fn hatching_of_a_smooth_sphere_errs_at_its_limb_and_not_more() {
+    // Strokes of patches that are seen from the side run into each other.
+    measured("smooth sphere", &smooth_sphere(), 0.05);
 }
 
 #[test]
 fn every_pixel_has_the_ink_of_the_twin() {
-    let drawn = shrub("scale = 0.37\npacking_steps = 3");
+    let drawn = hatched(&shrub(), "scale = 0.37\npacking_steps = 3");
     let tile = tile_of(&drawn.style).unwrap();
     let (mut off, mut count) = (0, 0);
     for (i, wanted) in drawn.wanted.iter().enumerate() {
