@@ -80,12 +80,11 @@ const EVEN: [Axis; 50] = [
 ];
 
 /// Sizes and shares, that go by equal ratios: a step means as much at the small end.
-const RATIOS: [Axis; 11] = [
+const RATIOS: [Axis; 10] = [
     ("leaves", "size", 0.5, 2.0),
     ("leaves", "elongation", 0.5, 4.0),
     ("leaves", "kept", 0.1, 1.0),
     ("leaves", "lod", 16.0, 64.0),
-    ("leaves", "cluster_radius", 0.03, 0.3),
     ("contour", "mapping", 2.0, 50.0),
     // At 0 everything that slants is a line: an end, beside the way.
     ("contour", "threshold", 0.002, 0.2),
@@ -96,7 +95,12 @@ const RATIOS: [Axis; 11] = [
 ];
 
 /// Numbers with nothing between, and why.
-const STEPS: [(&str, &str, &str); 6] = [
+const STEPS: [(&str, &str, &str); 7] = [
+    (
+        "leaves",
+        "cluster_radius",
+        "other clusters are another drawing; no way goes over it",
+    ),
     (
         "bodies",
         "cluster_radius",
