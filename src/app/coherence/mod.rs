@@ -1,12 +1,14 @@
 //! `umbrage bench coherence`: how well hatching stays on what it is drawn on, and how evenly it lies
 //! on the screen, beside the two plain ways of hatching.
 
+pub mod cooccurrence;
 pub mod frames;
 pub mod spectrum;
 
 use glam::DVec2;
 use serde_json::{Value, json};
 
+use self::cooccurrence::Matrices;
 use self::frames::{Frame, Moved, RINGS, compare};
 use super::cli::BenchArgs;
 use super::prepared::Prepared;
@@ -20,6 +22,7 @@ use crate::ink::motion::{HatchMode, Track};
 use crate::ink::plan::Attribute;
 use crate::ink::plant::Plant;
 use crate::ink::renderer::{Drawing, InkRenderer, InkScene};
+use crate::ink::strokes::{Stroke, tile_of};
 use crate::ink::style::{HatchSpace, Style};
 use crate::ink::view::View;
 use crate::math::colour::srgb_to_linear;
@@ -46,6 +49,8 @@ struct Variant {
     mode: HatchMode,
 }
 
+/// Which of them hatches the screen.
+const SCREEN: usize = 2;
 const VARIANTS: [Variant; 5] = [
     Variant {
         name: "clusters",
@@ -98,7 +103,13 @@ struct Strokes {
     spacing: Option<f64>,
     /// Their width, pixels.
     width: Option<f64>,
+    /// Greys beside each other, within clusters.
+    texture: Matrices,
 }
+
+/// Parts of the tile by which the screen's strokes are moved, to see what the same texture elsewhere
+/// differs by.
+const MOVED: [f32; 2] = [0.37, 0.61];
 
 /// Largest over smallest of what was found.
 fn change(found: impl Iterator<Item = Option<f64>>) -> f64 {
@@ -118,6 +129,25 @@ fn hatching_alone(mut style: Style, variant: &Variant) -> Style {
     style.hatching.space = variant.space;
     style.hatching.levels = variant.levels;
     style
+}
+
+/// With the strokes of its tile moved.
+fn moved(mut style: Style) -> Result<Style> {
+    let strokes = tile_of(&style)?.strokes;
+    if strokes.is_empty() {
+        return Err(Error::usage(
+            "bench coherence: a painted tile has no strokes that could be moved",
+        ));
+    }
+    let elsewhere = |s: &Stroke| {
+        let mut listed = s.to_listed();
+        for (at, by) in listed.iter_mut().zip(MOVED) {
+            *at = (*at + by).fract();
+        }
+        listed
+    };
+    style.hatching.strokes = strokes.iter().map(elsewhere).collect();
+    Ok(style)
 }
 
 /// Measures every way of hatching with the first style that is named.
@@ -158,7 +188,20 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
         };
         found.push(camera.measure(variant.name)?);
     }
-    Ok(report(args, named, &settings, &found))
+    // Nothing distorts what lies on the screen: it is the texture itself.
+    working.step("texture");
+    let variant = &VARIANTS[SCREEN];
+    let style = moved(hatching_alone(style, variant))?;
+    let camera = Shots {
+        context,
+        prepared: &prepared,
+        settings: &settings,
+        plant: &plant,
+        style: &style,
+        mode: variant.mode,
+    };
+    let elsewhere = camera.strokes()?;
+    Ok(report(args, named, &settings, (&found, &elsewhere)))
 }
 
 /// Frames of one variant.
@@ -185,6 +228,16 @@ impl Shots<'_> {
             })?;
             moved.push((way, sum));
         }
+        let strokes = self.strokes()?;
+        Ok(Measured {
+            name,
+            moved,
+            strokes,
+        })
+    }
+
+    /// Strokes on the screen, from far to near.
+    fn strokes(&self) -> Result<Vec<Strokes>> {
         let mut strokes = Vec::new();
         let last = f64::from(self.path(FAR_TO_NEAR)?.last());
         let mut number = 0.0;
@@ -197,14 +250,16 @@ impl Shots<'_> {
                 away: 2.0 * 0.25_f64.powf(number / last),
                 spacing,
                 width,
+                texture: {
+                    let own = |a: usize, b: usize| {
+                        frame.cluster[a] > 0 && frame.cluster[a] == frame.cluster[b]
+                    };
+                    Matrices::new(&frame.ink, own, size)
+                },
             });
             number += 1.0;
         })?;
-        Ok(Measured {
-            name,
-            moved,
-            strokes,
-        })
+        Ok(strokes)
     }
 
     fn path(&self, text: &str) -> Result<CameraPath> {
@@ -289,7 +344,34 @@ fn ink(drawing: &Drawing, style: &Style) -> Vec<f32> {
     halves(&drawing.pixels).map(|p| share(p[1])).collect()
 }
 
-fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Measured]) -> Report {
+/// Errors of texture of every way of hatching, and of the screen's own elsewhere.
+fn textures(found: &[Measured], elsewhere: &[Strokes]) -> (Table, Vec<Value>) {
+    let mut table = Table::new(&["hatching", "2", "1.41", "1", "0.71", "0.5", "mean"]);
+    let mut json = Vec::new();
+    let plain = &found[SCREEN].strokes;
+    let all = found.iter().map(|m| (m.name, m.strokes.as_slice()));
+    for (name, strokes) in all.chain([("screen, moved", elsewhere)]) {
+        let pairs = strokes.iter().zip(plain);
+        let errors: Vec<Option<f64>> = pairs.map(|(a, b)| a.texture.error(&b.texture)).collect();
+        let known: Vec<f64> = errors.iter().flatten().copied().collect();
+        let mean = known.iter().sum::<f64>() / known.len() as f64;
+        let last = errors.len().saturating_sub(1);
+        let at = |k: usize| errors[k].map_or("-".to_owned(), |e| format!("{e:.3}"));
+        let [a, b, c, d, e] = [0, last / 4, last / 2, 3 * last / 4, last].map(at);
+        table.row(&[&name, &a, &b, &c, &d, &e, &format!("{mean:.3}")]);
+        json.push(json!({
+            "hatching": name, "way": "far to near", "co_occurrence_error": errors, "mean": mean,
+        }));
+    }
+    (table, json)
+}
+
+fn report(
+    args: &BenchArgs,
+    named: &str,
+    settings: &RenderSettings,
+    (found, elsewhere): (&[Measured], &[Strokes]),
+) -> Report {
     let mut table = Table::new(&[
         "hatching",
         "way",
@@ -349,6 +431,8 @@ fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Mea
             }));
         }
     }
+    let (texture, errors) = textures(found, elsewhere);
+    json.extend(errors);
     let [w, h] = settings.size;
     let camera: &CameraSpec = &settings.camera;
     let text = format!(
@@ -357,7 +441,9 @@ fn report(args: &BenchArgs, named: &str, settings: &RenderSettings, found: &[Mea
          popping: share of ink that had none within 1.5 pixels; slip: of hatch coordinates, pixels\n\
          a frame, by distance from the cluster's centre in its radii\n\n{table}\n\
          strokes on the screen, pixels, from twice the framing distance to half of it; distance by\n\
-         the middle of the spectrum\n\n{flat}",
+         the middle of the spectrum\n\n{flat}\n\
+         average co-occurrence error against the screen's strokes, which nothing distorts (0 to 2)\n\n\
+         {texture}",
         args.input.input
     );
     Report::new(
