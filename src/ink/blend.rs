@@ -10,7 +10,7 @@ use super::style::{Contour, Edges, Hatching, Silhouette, Style, Wash};
 ///
 /// What a style has switched off, by a strength of 0, it takes from the other, so that things fade
 /// in where they belong instead of wandering there. What is no number (seeds, switches, texels of
-/// maps, the radius of clusters) is the second style's as soon as the way has begun, unless that one
+/// maps, the radius of clusters, how strokes are placed) is the second style's as soon as the way has begun, unless that one
 /// has no use for it.
 ///
 /// # Errors
@@ -34,6 +34,15 @@ pub fn between(from: &Style, to: &Style, share: f32) -> Result<Style, String> {
     a.leaves.cluster_radius = b.leaves.cluster_radius;
     // Nor is the size of a map.
     a.shading.shadow_pixels = b.shading.shadow_pixels;
+    // Nor have strokes, which are placed one after the other.
+    a.hatching = Hatching {
+        stroke_width: b.hatching.stroke_width,
+        stroke_length: b.hatching.stroke_length,
+        stroke_jitter: b.hatching.stroke_jitter,
+        crossing: b.hatching.crossing,
+        cross_angle: b.hatching.cross_angle,
+        ..a.hatching
+    };
     if (a.contour.mapping > 0.0) != (b.contour.mapping > 0.0) {
         return Err(format!(
             "contour.mapping is {} and {}: there is no way between linear and mapped depths",

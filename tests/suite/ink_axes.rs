@@ -95,7 +95,7 @@ const RATIOS: [Axis; 10] = [
 ];
 
 /// Numbers with nothing between, and why.
-const STEPS: [(&str, &str, &str); 7] = [
+const STEPS: [(&str, &str, &str); 8] = [
     (
         "leaves",
         "cluster_radius",
@@ -110,6 +110,11 @@ const STEPS: [(&str, &str, &str); 7] = [
         "hatching",
         "stroke_width",
         "strokes are placed one after the other: another drawing",
+    ),
+    (
+        "shading",
+        "shadow_pixels",
+        "the shadow's map has whole texels",
     ),
     ("hatching", "stroke_length", "the same"),
     ("hatching", "stroke_jitter", "the same"),

@@ -80,11 +80,11 @@ mod tests {
     /// A tile of strokes at a darkness of 0.3, seen through a map of the picture.
     fn seen(map: impl Fn(f32, f32) -> (f32, f32)) -> Matrices {
         let tile = Tile::new(&TileSettings {
-            tones: 12,
+            tones: 6,
             ..TileSettings::default()
         });
         let ink = |i: u32| {
-            let (u, v) = map((i % 200) as f32, (i / 200) as f32);
+            let (u, v) = map((i % 128) as f32, (i / 128) as f32);
             let at = |t: f32| (t.rem_euclid(512.0)) as usize % 512;
             if tile.levels[0][at(v) * 512 + at(u)] < 77 {
                 1.0
@@ -92,8 +92,8 @@ mod tests {
                 0.0
             }
         };
-        let picture: Vec<f32> = (0..200 * 200).map(ink).collect();
-        Matrices::new(&picture, |_, _| true, [200, 200])
+        let picture: Vec<f32> = (0..128 * 128).map(ink).collect();
+        Matrices::new(&picture, |_, _| true, [128, 128])
     }
 
     #[test]
