@@ -61,12 +61,23 @@ done
 "$umbrage" render "$models/oak_medium.glb" --style normal-edges-original --toward normal-edges \
     --share 0,1 --size 310x360 -o "$out/ink-edges.png"
 # Deussen, Strothotte 2000: pixels at once, and vectors
-for style in ds00-fig3a ds00-fig3b ds00-fig4a ds00-fig4b ds00-fig4c ds00-fig5 ds00-fig6a ds00-fig6b ds00-fig6c ds00-fig6d \
+for style in ds00-fig2 ds00-fig3a ds00-fig3b ds00-fig4a ds00-fig4b ds00-fig4c ds00-fig5 ds00-fig6a ds00-fig6b ds00-fig6c ds00-fig6d \
     ds00-fig6e ds00-fig6f lenient-sketch plotter-a4; do
     model=oak_medium
     if [ $style = ds00-fig6f ]; then model=oak_medium_dense; fi
     "$umbrage" render "$models/$model.glb" --style "$style" --size 546x819 -o "$work/$style.png"
     "$umbrage" render "$models/$model.glb" --style "$style" -o "$work/$style.svg"
+done
+# figure 5: a tree at three distances, in metres; sizes as they are (a), and enlarged up to twice (b)
+for size in 0.0 1.0; do
+    sed -e "s/^constant_size = .*/constant_size = $size/" -e 's/^far = .*/fitted = false\nnear = 95.0\nfar = 1045.0/' \
+        src/ink/paper/presets/ds00-fig5.toml >"$work/distance.toml"
+    for distance in 1 1.7 2.9; do
+        "$umbrage" render "$models/oak_medium.glb" --style "$work/distance.toml" --camera "25,7,$distance" \
+            --size 546x546 -o "$work/distance-$size-$distance.png"
+        "$umbrage" render "$models/oak_medium.glb" --style "$work/distance.toml" --camera "25,7,$distance" \
+            --paper 115x115 -o "$work/distance-$size-$distance.svg"
+    done
 done
 # Side by side: whatever rasterises SVG and lays pictures out, here resvg and Pillow.
 if ${PYTHON:-python3} -c 'import PIL, resvg_py' 2>/dev/null; then

@@ -385,7 +385,7 @@ impl Style {
             return Ok(style);
         }
         let Some((_, text)) = PRESETS.iter().find(|p| p.0 == name) else {
-            let paper = super::paper::style::PRESETS.iter().map(|p| p.0);
+            let paper = super::paper::presets::PRESETS.iter().map(|p| p.0);
             let names: Vec<&str> = PRESETS.iter().map(|p| p.0).chain(paper).collect();
             return Err(Error::usage(format!(
                 "style `{name}`: expected {} or a file (.toml)",

@@ -1,6 +1,8 @@
 //! Bitmap and vectors of one drawing show the same lines (measure M8, without another program:
 //! `scripts/paper-check.py` has resvg and Inkscape look).
 
+use std::fs;
+
 use glam::DVec2;
 use umbrage::ink::paper::drawing::{Placement, drawing};
 use umbrage::ink::paper::laid::lay;
@@ -11,6 +13,7 @@ use umbrage::math::packing::{f16_to_f32, f32_to_f16};
 
 use crate::fixture;
 use crate::paper::{SIZE, backdrop, scattered, view};
+use crate::place::{Place, stderr};
 
 fn inked(pixels: &[u8]) -> Vec<bool> {
     let light = |p: &[u8]| f16_to_f32(u16::from_le_bytes([p[0], p[1]]));
@@ -84,4 +87,38 @@ fn vectors_and_the_bitmap_show_the_same_lines() {
     // Two pixels aside they are not the same lines.
     let moved = agreement(&bitmap, &laid(&strokes, DVec2::splat(2.0)));
     assert!(moved < 0.8, "{moved}");
+}
+
+#[test]
+fn a_bare_tree_shows_its_branches_through_where_leaves_were() {
+    let place = Place::new();
+    let strokes = |style: &str| {
+        fs::write(place.path("own.toml"), style).unwrap();
+        let output = place.umbrage(&[
+            "render",
+            "grow:shrub:1:400",
+            "-o",
+            "out.svg",
+            "--style",
+            "own.toml",
+            "--paper",
+            "a6",
+            "--json",
+        ]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let said: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let layers = said["layers"].as_array().unwrap();
+        assert!(
+            layers.iter().all(|l| l["number"].as_u64().unwrap() <= 2),
+            "{said}"
+        );
+        said["length_mm"].as_f64().unwrap()
+    };
+    let head = "format_version = 1\nkind = \"paper\"\ndescription = \"x\"\n[primitive]\nsize = 1.0\n[foliage]\ndraw = false\n";
+    let hidden = strokes(head);
+    let bare = strokes(&format!("{head}hides = false\n"));
+    assert!(
+        bare > 1.3 * hidden,
+        "{bare} mm bare, {hidden} mm behind leaves"
+    );
 }

@@ -141,8 +141,11 @@ pub(super) fn subject(
         let known = known_orders(&prepared.input.model, geometry, &split.foliage_parts);
         drawn_stems(&geometry.positions, wood, known, &style.stem)
     });
-    let leaves = particles.len();
     let mut particles = particles;
+    if !style.foliage.draw && !style.foliage.hides {
+        particles.clear();
+    }
+    let leaves = particles.len();
     particles.extend(ground(&geometry.positions, &style.ground, style.seed));
     Ok(Subject {
         prepared,

@@ -75,7 +75,7 @@ impl Mix {
                     .map_err(|e| Error::usage(format!("style `{name}`: {e}")));
             }
             if !PRESETS.iter().any(|p| p.0 == name) {
-                let papers = crate::ink::paper::style::PRESETS.iter().map(|p| p.0);
+                let papers = crate::ink::paper::presets::PRESETS.iter().map(|p| p.0);
                 let names: Vec<&str> = Self::presets().chain(papers).collect();
                 return Err(Error::usage(format!(
                     "style `{name}`: expected {} or a file (.toml)",

@@ -23,6 +23,7 @@ pub mod pdf;
 pub mod pen;
 pub mod polygon;
 pub mod polygon_file;
+pub mod presets;
 pub mod region;
 pub mod renderer;
 mod sizes;

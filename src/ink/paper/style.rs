@@ -139,7 +139,8 @@ pub struct Depth {
     pub near: f64,
     /// z1, more than z0.
     pub far: f64,
-    /// The plants' nearest and farthest become z0 and z1; otherwise these are metres.
+    /// The plants' nearest and farthest become z0 and z1; otherwise these are metres, and sizes of
+    /// primitives those at z0.
     pub fitted: bool,
     /// What shows nothing is as far as z1, rather than infinitely far: outlines against the sky
     /// vanish at the back.
@@ -162,8 +163,11 @@ impl Default for Depth {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Foliage {
-    /// Whether they are drawn; foliage hides what is behind it either way.
+    /// Whether they are drawn.
     pub draw: bool,
+    /// Whether foliage that is not drawn hides what is behind it and throws shadows all the same;
+    /// without it the tree is bare.
+    pub hides: bool,
     /// Threshold, units of 1/65535 of the range, 0 to 65535.
     pub threshold: f64,
     /// What it is multiplied by from place to place.
@@ -178,6 +182,7 @@ impl Default for Foliage {
     fn default() -> Self {
         Self {
             draw: true,
+            hides: true,
             threshold: 1000.0,
             threshold_by: None,
             width_by: None,
@@ -364,27 +369,6 @@ impl Default for Sheet {
     }
 }
 
-/// Built-in styles: name and file.
-pub const PRESETS: [(&str, &str); 14] = [
-    ("ds00-fig3a", include_str!("presets/ds00-fig3a.toml")),
-    ("ds00-fig3b", include_str!("presets/ds00-fig3b.toml")),
-    ("ds00-fig4a", include_str!("presets/ds00-fig4a.toml")),
-    ("ds00-fig4b", include_str!("presets/ds00-fig4b.toml")),
-    ("ds00-fig4c", include_str!("presets/ds00-fig4c.toml")),
-    ("ds00-fig5", include_str!("presets/ds00-fig5.toml")),
-    ("ds00-fig6a", include_str!("presets/ds00-fig6a.toml")),
-    ("ds00-fig6b", include_str!("presets/ds00-fig6b.toml")),
-    ("ds00-fig6c", include_str!("presets/ds00-fig6c.toml")),
-    ("ds00-fig6d", include_str!("presets/ds00-fig6d.toml")),
-    ("ds00-fig6e", include_str!("presets/ds00-fig6e.toml")),
-    ("ds00-fig6f", include_str!("presets/ds00-fig6f.toml")),
-    (
-        "lenient-sketch",
-        include_str!("presets/lenient-sketch.toml"),
-    ),
-    ("plotter-a4", include_str!("presets/plotter-a4.toml")),
-];
-
 impl PaperStyle {
     /// A built-in style by its name, or a file that says `kind = "paper"`; none where the name or
     /// the file is of another kind.
@@ -412,7 +396,7 @@ impl PaperStyle {
             resolve(&mut style, folder)?;
             return Ok(Some(style));
         }
-        let Some((_, text)) = PRESETS.iter().find(|p| p.0 == name) else {
+        let Some((_, text)) = super::presets::PRESETS.iter().find(|p| p.0 == name) else {
             return Ok(None);
         };
         Self::parse(text)
@@ -540,7 +524,7 @@ mod tests {
 
     #[test]
     fn every_preset_is_a_style_and_comes_back_from_its_own_text() {
-        for (name, _) in PRESETS {
+        for (name, _) in super::super::presets::PRESETS {
             let style = PaperStyle::named(name).unwrap().unwrap();
             let text = toml::to_string(&style).unwrap();
             assert_eq!(PaperStyle::parse(&text).unwrap(), style, "{name}");
