@@ -85,7 +85,7 @@ fn outlines_come_from_files_and_stay_in_the_drawing() {
         svg("M50 100 C10 80 20 20 50 0 C60 40 55 60 60 70 C80 70 85 85 50 100 Z"),
     );
     place.write("own/leaf.toml", format!("polygon = {HOOK}"));
-    let nine = vec![HOOK; 9].join(", ");
+    let nine = [HOOK; 9].join(", ");
     place.write("own/nine.toml", format!("views = [{nine}]"));
     for file in ["leaf.svg", "leaf.toml", "nine.toml"] {
         let text = format!("{BASE}[primitive]\nform = {{ file = \"{file}\" }}\nsize = 1.0\n");

@@ -1,9 +1,13 @@
 //! Branching orders: what a mesh alone tells, against what the generator knows.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use umbrage::ink::branches::order::orders;
+use umbrage::ink::paper::drawing::{Placement, drawing};
+use umbrage::ink::paper::renderer::{PaperRenderer, PaperScene};
 use umbrage::scene::grow::{GrowOptions, Species, grow};
 
+use crate::fixture;
+use crate::paper::{SIZE, backdrop, scene, style, view};
 use crate::place::{Place, stderr};
 
 /// Places, triangles and the truth of a grown plant's wood.
@@ -105,4 +109,70 @@ fn the_program_says_what_told_it_the_branches() {
     let grown = place.umbrage(&["grow", "shrub", "--leaves", "60", "-o", "shrub.glb"]);
     assert_eq!(grown.status.code(), Some(0), "{}", stderr(&grown));
     assert_eq!(report("shrub.glb", ""), "order, told from their surface");
+}
+
+#[test]
+fn outlines_of_stems_follow_the_cone() {
+    const SIDES: u32 = 24;
+    let (foot, slope, rings) = (DVec3::new(0.7, -2.0, -6.0), 0.08, 9_u32);
+    let radius = |up: f64| 0.5 - slope * up;
+    let mut geometry = backdrop();
+    geometry.positions.clear();
+    geometry.normals.clear();
+    let mut stems: Vec<u32> = Vec::new();
+    for ring in 0..=rings {
+        let up = 4.0 * f64::from(ring) / f64::from(rings);
+        for side in 0..SIDES {
+            let angle = std::f64::consts::TAU * f64::from(side) / f64::from(SIDES);
+            let out = DVec3::new(angle.cos(), 0.0, angle.sin());
+            let place = foot + up * DVec3::Y + radius(up) * out;
+            geometry.positions.push(place.as_vec3());
+            geometry
+                .normals
+                .push((out + slope * DVec3::Y).normalize().as_vec3());
+            if ring > 0 {
+                let (a, b) = (
+                    (ring - 1) * SIDES + side,
+                    (ring - 1) * SIDES + (side + 1) % SIDES,
+                );
+                stems.extend([a, b, b + SIDES, a, b + SIDES, a + SIDES]);
+            }
+        }
+    }
+    let style = style("[stem]\nhatching = 0.0\n");
+    let particles = [];
+    let scene = PaperScene {
+        stems: &stems,
+        ..scene(&geometry, &particles)
+    };
+    let renderer = PaperRenderer::new(&fixture::gpu(), &scene, &style, SIZE).unwrap();
+    let maps = renderer.maps(&scene, &view()).unwrap();
+    let (found, _) = drawing(&maps, &style, &view());
+    // On a circular cone seen from the origin the outline is two straight lines, at the angles where
+    // the normal is across the view.
+    let tip = foot + DVec3::Y * radius(0.0) / slope;
+    let away = foot.x.hypot(foot.z);
+    let lines = [1.0, -1.0].map(|side| {
+        let at = foot.z.atan2(foot.x) + side * (-(radius(0.0) + slope * foot.y) / away).acos();
+        let low = foot + radius(0.0) * DVec3::new(at.cos(), 0.0, at.sin());
+        [low, low.lerp(tip, 0.6)].map(|p| view().pixel(p).0)
+    });
+    let placement = Placement::new(&style, maps.size);
+    let ends = [0.5, 3.5].map(|up| view().pixel(foot + up * DVec3::Y).0.y);
+    let (mut most, mut sum, mut count) = (0.0_f64, 0.0, 0.0);
+    for p in found.layers[0].strokes.iter().flat_map(|s| &s.line.points) {
+        let p = (*p - placement.corner) / placement.scale;
+        if p.y < ends[0] && p.y > ends[1] {
+            let off = lines.map(|[a, b]| ((b - a).perp_dot(p - a) / (b - a).length()).abs());
+            let off = off[0].min(off[1]);
+            most = most.max(off);
+            sum += off;
+            count += 1.0;
+        }
+    }
+    println!(
+        "{count} points, mean {:.3} px, most {most:.3} px",
+        sum / count
+    );
+    assert!(count > 100.0 && most <= 0.5, "{count} points, {most} px");
 }

@@ -86,7 +86,7 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
             timings,
         );
     }
-    let _working = console::working("drawing");
+    let _working = console::working(format!("drawing {} particles", subject.particles.len()));
     let kind = (args.output.as_path(), args.ink.ink_supersample);
     let board = Board::new(context, kind, style, (&subject, &settings), &mut timings)?;
     let view = subject.view(&settings, board.size, None);

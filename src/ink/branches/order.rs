@@ -145,7 +145,7 @@ fn order_of(
     while let Some(&last) = way.last() {
         match parents[last] {
             Some((next, _)) if known[last].is_none() && way.len() <= parents.len() => {
-                way.push(next)
+                way.push(next);
             }
             _ => break,
         }

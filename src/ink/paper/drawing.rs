@@ -1,9 +1,10 @@
 //! From pictures to strokes on paper: outlines of primitives through the index buffer, outlines of
 //! stems from pixels, hatching of stems by error diffusion; pens, layers, the order of a plotter.
 
-use glam::{DMat2, DVec2};
+use glam::DVec2;
 use rayon::prelude::*;
 
+use super::across::{Across, layers};
 use super::anchored::{Surface, hand_round, metres_of_pixel, noise_at, placed};
 use super::curve::Polyline;
 use super::diffusion::{DiffusionSettings, Tone};
@@ -13,6 +14,7 @@ use super::outline::{Seen, lines};
 use super::pen::{Pen, Stroke};
 use super::region::{self, filling};
 use super::renderer::{Maps, outlines};
+use super::silhouette::{Edges, snapped};
 use super::style::{PaperStyle, ShadowForm};
 use super::svg::{Drawing, Layer, Profile};
 use super::trace::{Marks, smoothed, thinned, trace};
@@ -23,8 +25,6 @@ use crate::ink::view::View;
 const SPECK: f64 = 5.0;
 /// Pixels on each side over which stems' lines are smoothed.
 const SMOOTH: usize = 3;
-/// Half the width of the window that gives strokes on stems their direction, pixels.
-const WINDOW: usize = 6;
 /// Ends so near are joined, and lines so near are the same, millimetres.
 const GAP: f64 = 0.1;
 
@@ -355,10 +355,6 @@ impl<'a> Shade<'a> {
                 }
             })
             .collect();
-        let tone = Tone {
-            size: self.maps.size,
-            darkness: &darkness,
-        };
         let settings = DiffusionSettings {
             length: s.stroke / placement.scale,
             width: (s.pen.width / placement.scale).max(1.0),
@@ -371,11 +367,18 @@ impl<'a> Shade<'a> {
             depth: &self.maps.foliage_depth,
             vector: self.style.vector,
         };
-        let found = placed(&tone, &settings, &surface, |_, _| way);
-        found
-            .iter()
-            .map(|f| hatch(f.from, f.to, &s.pen, placement))
-            .collect()
+        let mut out = Vec::new();
+        for (tone, turn) in layers(&darkness, s.crossing) {
+            let tone = Tone {
+                size: self.maps.size,
+                darkness: &tone,
+            };
+            let way = DVec2::from_angle(turn).rotate(way);
+            let found = placed(&tone, &settings, &surface, |_, _| way);
+            let hatched = found.iter().map(|f| hatch(f.from, f.to, &s.pen, placement));
+            out.extend(hatched);
+        }
+        out
     }
 }
 
@@ -401,6 +404,7 @@ pub(super) fn stem_marks(maps: &Maps, visible: &Visible, style: &PaperStyle) -> 
 
 /// Lines of stems, pixels.
 fn stem_lines(maps: &Maps, visible: &Visible, style: &PaperStyle) -> Vec<Polyline> {
+    let edges = Edges::new(maps.size, &maps.silhouettes);
     let marked = stem_marks(maps, visible, style);
     let thin = thinned(&Marks {
         size: maps.size,
@@ -413,7 +417,7 @@ fn stem_lines(maps: &Maps, visible: &Visible, style: &PaperStyle) -> Vec<Polylin
     found
         .iter()
         .filter(|l| l.length() >= SPECK)
-        .map(|l| smoothed(l, SMOOTH))
+        .map(|l| snapped(&smoothed(l, SMOOTH), &edges))
         .collect()
 }
 
@@ -439,11 +443,13 @@ fn stem_contour(
             style.seed,
         )
     };
+    let shade = Shade::new(maps, style);
     lines
         .iter()
         .map(|l| {
             pen.draw_over(&placement.line(l), hand, |p| {
-                width(maps, placement.pixel(p), |i| visible.stems[i])
+                let p = placement.pixel(p);
+                shade.pressure(p) * width(maps, p, |i| visible.stems[i])
             })
         })
         .collect()
@@ -482,25 +488,18 @@ pub(super) fn stem_hatching(
         vector: style.vector,
     };
     let mut out = Vec::new();
-    // First strokes across the branch; the darkest parts again, turned.
-    let first: Vec<f32> = darkness.iter().map(|&d| d.min(s.crossing as f32)).collect();
-    let second: Vec<f32> = darkness
-        .iter()
-        .map(|&d| {
-            if d < 0.0 {
-                d
-            } else {
-                (d - s.crossing as f32).max(0.0) / (1.0 - s.crossing as f32).max(1e-3)
-            }
-        })
-        .collect();
-    for (tone, turn) in [(first, 0.0), (second, 1.2)] {
+    let along = if s.along {
+        std::f64::consts::FRAC_PI_2
+    } else {
+        0.0
+    };
+    for (tone, turn) in layers(&darkness, s.crossing) {
         let tone = Tone {
             size: maps.size,
             darkness: &tone,
         };
         let found = placed(&tone, &settings, &surface, |x, y| {
-            DVec2::from_angle(turn).rotate(across.at(x, y))
+            DVec2::from_angle(turn + along).rotate(across.at(x, y))
         });
         out.extend(
             found
@@ -519,54 +518,6 @@ fn hatch(from: DVec2, to: DVec2, pen: &Pen, placement: &Placement) -> Stroke {
         closed: false,
     };
     pen.draw(&placement.line(&line), from.x.to_bits() as u32, |_| 1.0)
-}
-
-/// The direction across branches: the normals' projections turn about the branch's axis, so that
-/// their common direction over a few pixels is the one across it.
-struct Across {
-    size: [usize; 2],
-    /// Sums of products of the projections from the upper left corner: xx, xy, yy.
-    sums: Vec<[f64; 3]>,
-}
-
-impl Across {
-    fn new(maps: &Maps, visible: &Visible) -> Self {
-        let [w, h] = maps.size;
-        let mut sums = vec![[0.0; 3]; (w + 1) * (h + 1)];
-        for y in 0..h {
-            let mut row = [0.0; 3];
-            for x in 0..w {
-                if visible.stems[y * w + x] {
-                    let n = maps.stem_normal[y * w + x];
-                    let (nx, ny) = (f64::from(n[0]), -f64::from(n[1]));
-                    for (r, v) in row.iter_mut().zip([nx * nx, nx * ny, ny * ny]) {
-                        *r += v;
-                    }
-                }
-                let above = sums[y * (w + 1) + x + 1];
-                let here = &mut sums[(y + 1) * (w + 1) + x + 1];
-                for k in 0..3 {
-                    here[k] = above[k] + row[k];
-                }
-            }
-        }
-        Self {
-            size: maps.size,
-            sums,
-        }
-    }
-
-    fn at(&self, x: usize, y: usize) -> DVec2 {
-        let [w, h] = self.size;
-        let (x0, y0) = (x.saturating_sub(WINDOW), y.saturating_sub(WINDOW));
-        let (x1, y1) = ((x + WINDOW + 1).min(w), (y + WINDOW + 1).min(h));
-        let sum = |x: usize, y: usize| self.sums[y * (w + 1) + x];
-        let [a, b, c, d] = [sum(x1, y1), sum(x0, y1), sum(x1, y0), sum(x0, y0)];
-        let [xx, xy, yy] = [0, 1, 2].map(|k| a[k] - b[k] - c[k] + d[k]);
-        // Direction of the larger eigenvalue of the symmetric matrix.
-        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
-        DMat2::from_angle(angle) * DVec2::X
-    }
 }
 
 /// Strokes in the order of a plotter: nothing twice, sorted, joined. Also the way with the pen up

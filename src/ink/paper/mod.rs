@@ -6,6 +6,7 @@
 //! place to place), [`pen`] draws them, [`order`] sorts them, [`fit`] makes curves, [`svg`] and
 //! [`pdf`] write them; [`laid`] puts strokes on bitmaps.
 
+mod across;
 pub mod anchored;
 pub mod clutter;
 pub mod curve;
@@ -26,6 +27,7 @@ pub mod polygon_file;
 pub mod presets;
 pub mod region;
 pub mod renderer;
+mod silhouette;
 mod sizes;
 pub mod stems;
 pub mod style;

@@ -161,8 +161,7 @@ impl Programs {
         }
         self.ops.extend(program.ops);
         if let Some(strength) = m.strength {
-            // Also false for NaN.
-            if !(strength.abs() <= 1000.0) {
+            if strength.is_nan() || strength.abs() > 1000.0 {
                 return Err(format!(
                     "{key}.strength = {strength}: expected -1000 to 1000"
                 ));

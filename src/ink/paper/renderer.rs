@@ -8,6 +8,7 @@ use super::factors::{Factors, Read};
 use super::laid::has_strokes;
 use super::particles::{Particle, records};
 use super::polygon;
+use super::silhouette::silhouettes;
 use super::style::{Form, PaperStyle, ShadowForm};
 use super::sun::SunMap;
 use super::tones::Tones;
@@ -61,6 +62,8 @@ pub struct Maps {
     pub stem_difference: Vec<f32>,
     /// Normal of stems in the camera's frame, and light.
     pub stem_normal: Vec<[f32; 4]>,
+    /// Silhouettes of stems, seen and hidden, pixels.
+    pub silhouettes: Vec<[DVec2; 2]>,
     /// How deep pixels lie in shadow, 0 to 1; empty where the style has none.
     pub shadow: Vec<f32>,
     /// Factors on threshold and width of what is seen; empty where the style has none.
@@ -257,6 +260,11 @@ impl PaperRenderer {
                 .iter()
                 .map(|h| h.map(crate::math::packing::f16_to_f32))
                 .collect(),
+            silhouettes: if self.style.stem.draw {
+                silhouettes(scene.geometry, scene.stems, view)
+            } else {
+                Vec::new()
+            },
             shadow: shadow.map_or_else(Vec::new, |s| pod_collect_to_vec(&done.take(s))),
             factors: factors.iter().map(two).collect(),
             leaves: scene.leaves,

@@ -218,6 +218,8 @@ pub struct Stem {
     pub white: f64,
     /// Darkness from which strokes cross, 0 to 1.
     pub crossing: f64,
+    /// Whether strokes run along the branch rather than across it.
+    pub along: bool,
     /// Length of strokes, millimetres, 0.2 to 50.
     pub stroke: f64,
     /// Pen of strokes.
@@ -238,6 +240,7 @@ impl Default for Stem {
             hatching: 0.8,
             white: 0.75,
             crossing: 0.6,
+            along: false,
             stroke: 2.5,
             hatching_pen: Pen {
                 width: 0.2,
@@ -283,6 +286,8 @@ pub struct Shadow {
     pub pressure: f64,
     /// Darkness of the deepest shadow when it is hatched, 0 to 1.
     pub hatching: f64,
+    /// Darkness from which its strokes cross, 0 to 1 (nowhere).
+    pub crossing: f64,
     /// Direction of its strokes, degrees from the right upwards, -180 to 180.
     pub angle: f64,
     /// Length of its strokes, millimetres, 0.2 to 50.
@@ -302,6 +307,7 @@ impl Default for Shadow {
             detail: -0.9,
             pressure: 1.0,
             hatching: 0.6,
+            crossing: 1.0,
             angle: 50.0,
             stroke: 4.0,
             pen: Pen {
@@ -464,6 +470,7 @@ impl PaperStyle {
             ("shadow.detail".into(), h.detail, -1.0, 1.0),
             ("shadow.pressure".into(), h.pressure, 0.0, 10.0),
             ("shadow.hatching".into(), h.hatching, 0.0, 1.0),
+            ("shadow.crossing".into(), h.crossing, 0.0, 1.0),
             ("shadow.angle".into(), h.angle, -180.0, 180.0),
             ("shadow.stroke".into(), h.stroke, 0.2, 50.0),
             ("vector.cell".into(), self.vector.cell, 0.0, 1e9),
