@@ -6,6 +6,10 @@ use std::fs;
 
 use roxmltree::Document;
 
+use glam::Vec3;
+use umbrage::ink::paper::renderer::PaperRenderer;
+
+use crate::paper::{backdrop, scattered, scene, style, view};
 use crate::place::{Place, stderr};
 
 /// Ellipses with everything random that primitives have, hatched in shadow and on stems.
@@ -112,4 +116,31 @@ fn a_small_turn_of_the_camera_changes_no_primitives_shape() {
         }
     }
     assert!(both > 10, "{both} of {} seen whole twice", before.len());
+}
+
+#[test]
+fn a_resting_sun_is_drawn_once_and_a_moved_one_again() {
+    let style = style("[primitive]\nform = \"ellipse\"\nsize = 0.5\n[shadow]\nform = \"hatch\"\n");
+    let (geometry, particles) = (backdrop(), scattered(120));
+    let scene = scene(&geometry, &particles);
+    let gpu = crate::fixture::gpu();
+    let renderer = || PaperRenderer::new(&gpu, &scene, &style, [320, 240]).unwrap();
+    let sun_passes = |maps: &umbrage::ink::paper::renderer::Maps| {
+        let of_sun = |p: &&umbrage::gpu::PassTime| p.label.starts_with("sun ");
+        maps.passes.iter().filter(of_sun).count()
+    };
+    let kept = renderer();
+    let first = kept.maps(&scene, &view()).unwrap();
+    // The camera moves, the sun rests.
+    let mut other = view();
+    other.camera.eye.x += 0.4;
+    let second = kept.maps(&scene, &other).unwrap();
+    assert!(sun_passes(&first) > 0 && sun_passes(&second) == 0);
+    assert!(second.shadow == renderer().maps(&scene, &other).unwrap().shadow);
+    assert!(second.shadow.iter().any(|&s| s > 0.5), "there is shadow");
+    let mut turned = view();
+    turned.to_sun = Vec3::new(0.6, 0.8, 0.0);
+    let third = kept.maps(&scene, &turned).unwrap();
+    assert!(sun_passes(&third) > 0);
+    assert!(third.shadow == renderer().maps(&scene, &turned).unwrap().shadow);
 }

@@ -164,6 +164,66 @@ fn a_drawing_is_drawn_again_from_itself() {
 }
 
 #[test]
+fn a_pdf_has_the_page_and_the_layers_of_the_drawing() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    let drawn = |file: &str, style: &str| {
+        let arguments = [
+            "render", &tree, "-o", file, "--style", style, "--paper", "a6",
+        ];
+        let output = place.umbrage(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        fs::read(place.path(file)).unwrap()
+    };
+    let file = drawn("out.pdf", "crown-hatching");
+    let text = String::from_utf8_lossy(&file);
+    assert!(text.starts_with("%PDF-1."));
+    assert!(
+        text.contains("/MediaBox [0 0 297.6378 419.5275"),
+        "{text:.400}"
+    );
+    let svg = String::from_utf8(drawn("out.svg", "crown-hatching")).unwrap();
+    let document = Document::parse(&svg).unwrap();
+    for layer in layers(&document) {
+        let label = layer.attribute((INKSCAPE, "label")).unwrap();
+        assert!(text.contains(&format!("({label})")), "{label}");
+    }
+}
+
+#[test]
+fn the_stages_of_drawings_are_timed() {
+    let place = Place::new();
+    let tree = place.write("tree.glb", small_tree().glb());
+    let report = place.json(&[
+        "bench",
+        "paper",
+        &tree,
+        "--style",
+        "plotter-a4",
+        "--size",
+        "60x80",
+        "-n",
+        "1",
+    ]);
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2);
+    let stages: Vec<&str> = rows[1]["stages"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| s["stage"].as_str().unwrap())
+        .collect();
+    for stage in ["trace", "sort", "fit", "write"] {
+        assert!(stages.contains(&stage), "{stage}: {stages:?}");
+    }
+    assert!(rows[0]["geometry_ms"].as_f64().unwrap() > 0.0);
+    place.assert_refused(
+        &["bench", "paper", &tree, "--style", "toon"],
+        &["toon", "paper"],
+    );
+}
+
+#[test]
 fn the_same_drawing_comes_out_whatever_the_threads() {
     let place = Place::new();
     let first = drawn(&place, &["--style", "ds00-fig6a"]);

@@ -8,6 +8,7 @@ use super::drawing::{Placement, Shade, Visible, stem_hatching};
 use super::pen::Stroke;
 use super::renderer::Maps;
 use super::style::{PaperStyle, ShadowForm};
+use super::vectors::tile_hatching;
 use crate::ink::view::View;
 use crate::math::packing::{f16_to_f32, f32_to_f16};
 
@@ -17,7 +18,7 @@ const BAND: usize = 32;
 /// Whether bitmaps of this style have strokes that the device does not draw.
 #[must_use]
 pub fn has_strokes(style: &PaperStyle) -> bool {
-    hatches_stems(style) || style.shadow.form == ShadowForm::Hatch
+    hatches_stems(style) || style.shadow.form == ShadowForm::Hatch || style.tiles.strength > 0.0
 }
 
 fn hatches_stems(style: &PaperStyle) -> bool {
@@ -39,6 +40,9 @@ pub fn strokes_of(maps: &Maps, style: &PaperStyle, view: &View, scale: f64) -> V
     }
     if style.shadow.form == ShadowForm::Hatch {
         out.extend(Shade::new(maps, style).hatching(&visible.foliage, view, &placement));
+    }
+    if style.tiles.strength > 0.0 {
+        out.extend(tile_hatching(maps, &visible, style, view, &placement));
     }
     for stroke in &mut out {
         stroke.line.points.iter_mut().for_each(|p| *p /= scale);

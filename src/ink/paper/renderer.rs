@@ -243,6 +243,9 @@ impl PaperRenderer {
             None => None,
         };
         let mut done = work.submit()?.wait()?;
+        if let Some(sun) = &self.sun {
+            sun.rests(view, &particles, !is_round(&self.style));
+        }
         let passes = done.passes().to_vec();
         let [a, b, c, d, e, f] = reads.map(|r| done.take(r));
         let numbers: Vec<f32> = pod_collect_to_vec(&b);
@@ -279,7 +282,7 @@ impl PaperRenderer {
     /// # Errors
     /// Memory runs out or the device is lost.
     pub fn bitmap(&self, scene: &PaperScene<'_>, view: &View, factor: u32) -> Result<Bitmap> {
-        let (mut work, _) = self.begin(scene, view)?;
+        let (mut work, particles) = self.begin(scene, view)?;
         let switches = [
             (0, u32::from(self.sun.is_some())),
             (1, u32::from(self.factors.is_some())),
@@ -316,15 +319,23 @@ impl PaperRenderer {
         let read = work.read_image("paper picture", &picture)?;
         let tones = if has_strokes(&self.style) {
             let shadow = self.sun.as_ref().map(|s| &s.shadow);
-            Some(Tones::read(&mut work, &self.foliage, &self.stems, shadow)?)
+            let numbers = self.style.tiles.strength > 0.0;
+            let (foliage, stems) = (&self.foliage, &self.stems);
+            Some(Tones::read(&mut work, foliage, stems, shadow, numbers)?)
         } else {
             None
         };
         let mut done = work.submit()?.wait()?;
+        if let Some(sun) = &self.sun {
+            sun.rests(view, &particles, !is_round(&self.style));
+        }
         Ok(Bitmap {
             passes: done.passes().to_vec(),
             pixels: done.take(read),
-            maps: tones.map(|t| t.maps(&mut done, self.size, scene.leaves)),
+            maps: tones.map(|t| Maps {
+                particles,
+                ..t.maps(&mut done, self.size, scene.leaves)
+            }),
         })
     }
 
@@ -383,10 +394,13 @@ impl PaperRenderer {
         let push = self.difference_push(view, self.style.stem.slope as f32);
         self.differences(&mut work, "stem differences", &self.stems, &push)?;
         if let Some(sun) = &self.sun {
-            let (eye, frame) = sun.eye(scene.geometry, view);
-            work.upload("sun frame", &sun.frame, &[frame])?;
-            self.draw_foliage(&mut work, &eye, particles.len() as u32)?;
-            self.draw_stems(&mut work, &eye, scene)?;
+            // A resting sun sees the same as in the drawing before.
+            if !sun.shows(view, &particles, !is_round(&self.style)) {
+                let (eye, frame) = sun.eye(scene.geometry, view);
+                work.upload("sun frame", &sun.frame, &[frame])?;
+                self.draw_foliage(&mut work, &eye, particles.len() as u32)?;
+                self.draw_stems(&mut work, &eye, scene)?;
+            }
             self.sunlit(&mut work, sun, view)?;
         }
         if let Some(factors) = &self.factors {

@@ -498,16 +498,9 @@ impl PaperStyle {
             numbers.push((format!("{name}.lift"), pen.lift, 0.0, 1.0));
         }
         numbers.extend(self.tiles.numbers());
-        let colours = sheet
-            .ink
-            .iter()
-            .map(|&v| ("sheet.ink".to_owned(), f64::from(v), 0.0, 1.0));
-        numbers.extend(colours);
-        let colours = sheet
-            .colour
-            .iter()
-            .map(|&v| ("sheet.colour".to_owned(), f64::from(v), 0.0, 1.0));
-        numbers.extend(colours);
+        for (name, colour) in [("sheet.ink", sheet.ink), ("sheet.colour", sheet.colour)] {
+            numbers.extend(colour.map(|v| (name.to_owned(), f64::from(v), 0.0, 1.0)));
+        }
         for (name, value, low, high) in numbers {
             // Also false for NaN.
             if !(value >= low && value <= high) {

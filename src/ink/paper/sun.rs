@@ -1,12 +1,14 @@
 //! The sun's view of particles and stems, and how deep pixels lie in its shadow.
 
+use std::sync::{Mutex, PoisonError};
+
 use glam::Vec3;
 
 use super::particles::unit;
 use super::renderer::Eye;
 use super::style::PaperStyle;
 use crate::Result;
-use crate::abi::{InkFrame, PaperSunlit};
+use crate::abi::{InkFrame, PaperParticle, PaperSunlit};
 use crate::gpu::shaders::ink as shaders;
 use crate::gpu::{Buffer, BufferInfo, ComputePipeline, Format, Gpu, Image, ImageInfo};
 use crate::ink::view::View;
@@ -23,6 +25,21 @@ pub(super) struct SunMap {
     pub(super) shadow: Image,
     pub(super) kernel: ComputePipeline,
     depth: Image,
+    /// What the map shows: the sun's direction, and the particles as it sees them.
+    shown: Mutex<Option<Shown>>,
+}
+
+type Shown = (Vec3, Vec<PaperParticle>);
+
+/// The particles as the sun sees them: where a camera stands matters only where primitives turn
+/// with the view.
+fn as_seen(particles: &[PaperParticle], turning: bool) -> Vec<PaperParticle> {
+    let one = |p: &PaperParticle| PaperParticle {
+        row: 0.0,
+        tilt: if turning { p.tilt } else { [0.0; 2] },
+        ..*p
+    };
+    particles.iter().map(one).collect()
 }
 
 impl SunMap {
@@ -45,7 +62,29 @@ impl SunMap {
             shadow: gpu.image(ImageInfo::storage("shadow", Format::R32Float, size))?,
             kernel: gpu.compute_pipeline(shaders::SUNLIT_COMP)?,
             depth: target("sun depth test", Format::Depth32)?,
+            shown: Mutex::new(None),
         })
+    }
+
+    /// Whether the map shows these particles from this sun already; otherwise it shows nothing
+    /// that counts until [`SunMap::rests`]. `turning`: primitives turn with the view.
+    pub(super) fn shows(&self, view: &View, particles: &[PaperParticle], turning: bool) -> bool {
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        let same = shown.as_ref().is_some_and(|(to_sun, drawn)| {
+            *to_sun == view.to_sun && *drawn == as_seen(particles, turning)
+        });
+        if !same {
+            *shown = None;
+        }
+        same
+    }
+
+    /// The map was drawn.
+    pub(super) fn rests(&self, view: &View, particles: &[PaperParticle], turning: bool) {
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        if shown.is_none() {
+            *shown = Some((view.to_sun, as_seen(particles, turning)));
+        }
     }
 
     /// The sun as an eye, and its frame.

@@ -25,7 +25,7 @@ const STEP: f64 = 0.5;
 /// Tiles that are looked at for one cluster, along each axis, at most.
 const MOST_TILES: i64 = 64;
 
-/// Hatching tiles on clusters of leaves; vectors only.
+/// Hatching tiles on clusters of leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tiles {
@@ -45,6 +45,8 @@ pub struct Tiles {
     pub texel: f64,
     /// Darkness above which strokes cross, 0 to 1; 1: never.
     pub crossing: f64,
+    /// Direction of strokes, degrees from the right upwards, -180 to 180.
+    pub angle: f64,
 }
 
 impl Default for Tiles {
@@ -58,13 +60,14 @@ impl Default for Tiles {
             crown: 0.5,
             texel: 0.14,
             crossing: 0.6,
+            angle: 35.0,
         }
     }
 }
 
 impl Tiles {
     /// Every number with its name and range.
-    pub(super) fn numbers(&self) -> [(String, f64, f64, f64); 8] {
+    pub(super) fn numbers(&self) -> [(String, f64, f64, f64); 9] {
         [
             ("tiles.strength", self.strength, 0.0, 1.0),
             ("tiles.white", self.white, 0.0, 1.0),
@@ -74,6 +77,7 @@ impl Tiles {
             ("tiles.crown", self.crown, 0.0, 1.0),
             ("tiles.texel", self.texel, 0.01, 2.0),
             ("tiles.crossing", self.crossing, 0.0, 1.0),
+            ("tiles.angle", self.angle, -180.0, 180.0),
         ]
         .map(|(name, value, low, high)| (name.to_owned(), value, low, high))
     }
@@ -286,9 +290,14 @@ pub struct Hatched {
     pub darkness: Vec<f32>,
 }
 
-/// Clusters and darkness of the foliage that is `visible`.
+/// Clusters and darkness of the foliage that is `visible`; `texel`: pixels of a texel.
 #[must_use]
-pub fn hatched(maps: &Maps, visible: &[bool], style: &PaperStyle, view: &View) -> Hatched {
+pub fn hatched(
+    maps: &Maps,
+    visible: &[bool],
+    (style, texel): (&PaperStyle, f64),
+    view: &View,
+) -> Hatched {
     let t = &style.tiles;
     let centres: Vec<Vec3> = maps.particles[..maps.leaves]
         .iter()
@@ -298,10 +307,11 @@ pub fn hatched(maps: &Maps, visible: &[bool], style: &PaperStyle, view: &View) -
     let found = Clusters::new(&centres, radius.max(f32::MIN_POSITIVE), Choice::Smallest);
     let found = found.unwrap_or_default();
     let metres = super::anchored::metres_of_pixel(&style.vector, view);
-    let texel = t.texel * style.sheet.resolution;
     let least = maps.particles.first().map_or(0.0, |p| p.radius);
     let record = |(number, cluster): (usize, &crate::ink::clusters::Cluster)| {
-        let course = Course::stateless(view, cluster.centre.as_dvec3());
+        let mut course = Course::stateless(view, cluster.centre.as_dvec3());
+        // Strokes run across the direction in which v grows.
+        course.up = DVec2::from_angle(t.angle.to_radians()).rotate(course.up);
         let tiles = tiles_about(f64::from(cluster.radius.max(least)), metres, texel);
         let hatch = Hatch::new(&course, DVec2::splat(tiles)).scattered(number as u32);
         view.cluster(cluster, least, &hatch)

@@ -12,7 +12,7 @@ use super::{tiles, whole};
 use crate::ink::view::View;
 use crate::math::sampling::pcg;
 
-/// How the vectors of a drawing are found; bitmaps ignore it.
+/// How the vectors of a drawing are found; of it bitmaps take where strokes go.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Vectors {
@@ -117,13 +117,13 @@ pub(super) fn tile_hatching(
     view: &View,
     placement: &Placement,
 ) -> Vec<Stroke> {
-    let found = tiles::hatched(maps, &visible.foliage, style, view);
+    let texel = style.tiles.texel / placement.scale;
+    let found = tiles::hatched(maps, &visible.foliage, (style, texel), view);
     let on = tiles::Ground {
         size: maps.size,
         cluster: &found.cluster,
         darkness: &found.darkness,
     };
-    let texel = style.tiles.texel / placement.scale;
     let lines = tiles::tile_lines(&on, &found.clusters, &tiles::tile(style), texel);
     let stroke = |l: tiles::TileLine| Stroke {
         line: placement.line(&l.line),
