@@ -43,7 +43,7 @@ fn a_frame_alone_is_that_of_the_sequence_and_is_drawn_again_from_itself() {
             &place,
             &name,
             "orbit:frames=8",
-            &["--frames", "0..2", "--validate"],
+            &["--frames", "1..2", "--validate"],
         );
         let alone = format!("alone.{ending}");
         draw(
@@ -52,9 +52,9 @@ fn a_frame_alone_is_that_of_the_sequence_and_is_drawn_again_from_itself() {
             "orbit:frames=8",
             &["--frames", "2..2", "--validate"],
         );
-        let frames = [0, 1, 2].map(|k| read(&format!("f{k:04}.{ending}")));
-        assert!(frames[2] == read(&alone), "frame 2 alone is another");
-        assert!(frames[0] != frames[1] && frames[1] != frames[2]);
+        let frames = [1, 2].map(|k| read(&format!("f{k:04}.{ending}")));
+        assert!(frames[1] == read(&alone), "frame 2 alone is another");
+        assert!(frames[0] != frames[1]);
     }
     let output = place.umbrage(&["render", "f0001.svg", "-o", "again.svg"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

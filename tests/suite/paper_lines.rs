@@ -13,6 +13,7 @@ use umbrage::ink::paper::particles::{Particle, unit};
 use umbrage::ink::paper::tiles::{Ground, Laid, TileLine, tile_lines};
 use umbrage::ink::strokes::{Tile, TileSettings};
 use umbrage::ink::view::{Hatch, tiles_about};
+use umbrage::reference::ink::hatch;
 use umbrage::reference::ink_tile::ink_of_tile;
 
 use crate::paper::{maps, scattered, style, view};
@@ -234,24 +235,17 @@ fn strokes_of_tiles_are_the_texels_of_the_picture_in_real_time() {
         };
         let lines = tile_lines(&ground, &patch.clusters, &tile.strokes, texel);
         assert!(lines.len() > 50, "{} strokes", lines.len());
-        let laid: Vec<Laid> = patch
-            .clusters
-            .iter()
-            .map(|c| Laid::new(c, texel).unwrap())
-            .collect();
         let raster: Vec<f64> = (0..SIZE * 240)
             .map(|i| {
                 let Some(k) = (patch.number[i] as usize).checked_sub(1) else {
                     return 0.0;
                 };
                 let p = DVec2::new((i % SIZE) as f64 + 0.5, (i / SIZE) as f64 + 0.5);
-                let level = f64::from(laid[k].level);
-                ink_of_tile(
-                    &tile.levels,
-                    laid[k].place(p),
-                    level,
-                    f64::from(patch.darkness[i]),
-                )
+                // The picture in real time, at the level that strokes are taken from.
+                let cluster = &patch.clusters[k];
+                let (place, _) = hatch(cluster, p, f64::from(cluster.front), (0.0, 0.0)).unwrap();
+                let level = f64::from(Laid::new(cluster, texel).unwrap().level);
+                ink_of_tile(&tile.levels, place, level, f64::from(patch.darkness[i]))
             })
             .collect();
         let (mut on, mut all) = (0.0, 0.0);
