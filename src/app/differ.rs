@@ -114,7 +114,7 @@ fn values(which: Attribute, pixel: &[u8]) -> Vec<f32> {
         Attribute::Depth | Attribute::Ids => bytemuck::pod_collect_to_vec(pixel),
         Attribute::Normal | Attribute::Direction => halves(pixel),
         // The fourth holds nothing.
-        Attribute::Hatch => halves(&pixel[..6]),
+        Attribute::Hatch => bytemuck::pod_collect_to_vec(&pixel[..12]),
     }
 }
 
@@ -174,9 +174,9 @@ mod tests {
 
     #[test]
     fn places_are_compared_round_the_tile_and_depths_by_their_ratio() {
-        let half = |v: [u16; 4]| bytemuck::cast_slice::<u16, u8>(&v).to_vec();
-        // 0.001 and 0.9995 lie beside each other in the tile.
-        let (low, high) = (half([0x1419, 0, 0, 0]), half([0x3bff, 0, 0, 0]));
+        let place = |u: f32| bytemuck::cast_slice::<f32, u8>(&[u, 0.0, 0.0, 0.0]).to_vec();
+        // They lie beside each other in the tile.
+        let (low, high) = (place(0.001), place(0.9995));
         let near = attribute(Attribute::Hatch, &low, &high, 0.01, &[true]);
         assert_eq!(near.differing, 0);
         let metres = |v: f32| v.to_le_bytes().to_vec();

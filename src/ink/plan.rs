@@ -64,7 +64,9 @@ impl Attribute {
     pub fn format(self) -> Format {
         match self {
             Self::Albedo => Format::Rgba8Srgb,
-            Self::Normal | Self::Hatch => Format::Rgba16Float,
+            Self::Normal => Format::Rgba16Float,
+            // Strokes are steep: a step of a 16-bit float is a quarter of a texel.
+            Self::Hatch => Format::Rgba32Float,
             Self::Depth => Format::R32Float,
             Self::Ids => Format::Rg32Float,
             Self::Direction => Format::Rg16Float,

@@ -200,10 +200,7 @@ fn hatching_and_places_of_leaves_are_those_of_their_twins() {
     };
     let depth = floats(&of(Attribute::Depth));
     let ids = floats(&of(Attribute::Ids));
-    let halves: Vec<f32> = of(Attribute::Hatch)
-        .chunks_exact(2)
-        .map(|b| umbrage::math::packing::f16_to_f32(u16::from_le_bytes([b[0], b[1]])))
-        .collect();
+    let hatch = floats(&of(Attribute::Hatch));
     let packing = (
         f64::from(style.hatching.packing),
         f64::from(style.hatching.packing_steps),
@@ -213,12 +210,12 @@ fn hatching_and_places_of_leaves_are_those_of_their_twins() {
         let pixel = DVec2::new((i % 480) as f64 + 0.5, (i / 480) as f64 + 0.5);
         let cluster = &drawn.clusters[ids[2 * i + 1] as usize - 1];
         let (at, level) = twin::hatch(cluster, pixel, f64::from(d), packing).unwrap();
-        let found = DVec2::new(f64::from(halves[4 * i]), f64::from(halves[4 * i + 1]));
+        let found = DVec2::new(f64::from(hatch[4 * i]), f64::from(hatch[4 * i + 1]));
         let off = at - found;
         // Tiles repeat: whole ones do not count.
         assert!((off - off.round()).length() < 3e-3, "{pixel}: {at} {found}");
         assert!(
-            (level - f64::from(halves[4 * i + 2])).abs() < 0.01,
+            (level - f64::from(hatch[4 * i + 2])).abs() < 0.01,
             "{pixel}"
         );
         seen += 1;

@@ -10,7 +10,6 @@ use umbrage::ink::plant::Plant;
 use umbrage::ink::renderer::{InkRenderer, InkScene};
 use umbrage::ink::style::Style;
 use umbrage::ink::view::View;
-use umbrage::math::packing::f16_to_f32;
 use umbrage::reference::ink_body::body_hatch;
 use umbrage::scene::grow::rabbit;
 use umbrage::scene::{Camera, Geometry};
@@ -61,7 +60,7 @@ fn pixels_of_a_body_have_the_coordinates_of_their_cluster() {
     let of = |a: Attribute| &drawing.attributes.iter().find(|x| x.0 == a).unwrap().1;
     let depth: Vec<f32> = bytemuck::pod_collect_to_vec(of(Attribute::Depth));
     let ids: Vec<[f32; 2]> = bytemuck::pod_collect_to_vec(of(Attribute::Ids));
-    let hatch: Vec<[u16; 4]> = bytemuck::pod_collect_to_vec(of(Attribute::Hatch));
+    let hatch: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(of(Attribute::Hatch));
     let [right, up, _] = camera.basis();
     let mut worst = Vec::new();
     let mut seen: HashMap<u32, u32> = HashMap::new();
@@ -74,7 +73,7 @@ fn pixels_of_a_body_have_the_coordinates_of_their_cluster() {
         let place = camera.eye - geometry.origin + f64::from(depth) * ray;
         let cluster = &clusters[ids[i][1] as usize - 1];
         let want = body_hatch(cluster, place, view.eye(), [right, up]);
-        let at = |k: usize| f64::from(f16_to_f32(hatch[i][k]));
+        let at = |k: usize| f64::from(hatch[i][k]);
         let off = DVec2::new(at(0), at(1)) - want;
         worst.push((off - off.round()).abs().max_element());
     }

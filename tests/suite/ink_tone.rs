@@ -200,7 +200,7 @@ fn hatched(thing: &Thing, hatching: &str) -> Hatched {
     let of = |a: Attribute| &drawing.attributes.iter().find(|x| x.0 == a).unwrap().1;
     let depth: Vec<f32> = bytemuck::pod_collect_to_vec(of(Attribute::Depth));
     let normal = halves(of(Attribute::Normal));
-    let hatch = halves(of(Attribute::Hatch));
+    let hatch: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(of(Attribute::Hatch));
     let (white, gamma) = (style.hatching.white, style.hatching.gamma);
     let darkness = |i: usize| {
         let dark = (1.0 - normal[4 * i + 3] / f64::from(white)).clamp(0.0, 1.0);
@@ -213,7 +213,10 @@ fn hatched(thing: &Thing, hatching: &str) -> Hatched {
             .map(|v| 1.0 - v)
             .collect(),
         wanted: (0..depth.len()).map(darkness).collect(),
-        hatch: hatch.chunks_exact(4).map(|h| [h[0], h[1], h[2]]).collect(),
+        hatch: hatch
+            .iter()
+            .map(|h| [h[0], h[1], h[2]].map(f64::from))
+            .collect(),
         style,
     }
 }

@@ -10,7 +10,6 @@ use umbrage::ink::plant::Plant;
 use umbrage::ink::renderer::{InkRenderer, InkScene};
 use umbrage::ink::style::Style;
 use umbrage::ink::view::View;
-use umbrage::math::packing::f16_to_f32;
 use umbrage::scene::{Camera, Geometry, Material, Model, Primitive};
 
 use crate::fixture;
@@ -102,7 +101,7 @@ fn drawn(axis: Vec3, along: &str) -> (Vec<(DVec2, DVec3)>, f64) {
     };
     let depth: Vec<f32> = bytemuck::pod_collect_to_vec(bytes(Attribute::Depth));
     let ids: Vec<[f32; 2]> = bytemuck::pod_collect_to_vec(bytes(Attribute::Ids));
-    let hatch: Vec<[u16; 4]> = bytemuck::pod_collect_to_vec(bytes(Attribute::Hatch));
+    let hatch: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(bytes(Attribute::Hatch));
     let [right, up, _] = camera.basis();
     let mut out = Vec::new();
     for (i, &depth) in depth.iter().enumerate() {
@@ -113,10 +112,7 @@ fn drawn(axis: Vec3, along: &str) -> (Vec<(DVec2, DVec3)>, f64) {
         let y = 90.0 - (i / 240) as f64 - 0.5;
         let ray = camera.forward + (x * right + y * up) / view.focal();
         let place = camera.eye + f64::from(depth) * ray;
-        let at = DVec2::new(
-            f64::from(f16_to_f32(hatch[i][0])),
-            f64::from(f16_to_f32(hatch[i][1])),
-        );
+        let at = DVec2::new(f64::from(hatch[i][0]), f64::from(hatch[i][1]));
         out.push((at, place));
     }
     // As the renderer: the style's pixels in the distance of the middle.

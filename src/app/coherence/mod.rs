@@ -311,7 +311,8 @@ impl Shots<'_> {
             ink: ink(&drawing, self.style),
             depth: bytemuck::pod_collect_to_vec(attribute(&drawing, wanted[0])),
             cluster: ids.iter().map(|i| i[1] as u32).collect(),
-            hatch: halves(attribute(&drawing, wanted[2]))
+            hatch: bytemuck::pod_collect_to_vec::<_, [f32; 4]>(attribute(&drawing, wanted[2]))
+                .iter()
                 .map(|h| [h[0], h[1], h[2]])
                 .collect(),
             outlines: renderer
