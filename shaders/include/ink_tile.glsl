@@ -32,15 +32,15 @@ float ink_of_level(sampler2D tiles, vec2 place, int level, float darkness) {
 
 // `hatch`: place in the tile, and log2 of the texels of the finest level that a pixel spans.
 float ink_of_tile(sampler2D tiles, vec3 hatch, float darkness) {
-    if (darkness <= 0.0) {
-        return 0.0;
-    }
     float level = clamp(hatch.z, 0.0, float(INK_LEVELS) - 1.0);
     int fine = int(floor(level));
     float blend = level - float(fine);
-    float ink = ink_of_level(tiles, hatch.xy, fine, darkness);
-    if (blend > 0.0) {
-        ink = mix(ink, ink_of_level(tiles, hatch.xy, min(fine + 1, int(INK_LEVELS) - 1), darkness), blend);
+    // As many levels as are blended, and no look at the others.
+    int count = blend > 0.0 ? 2 : 1;
+    float ink = 0.0;
+    for (int k = 0; k < count; k++) {
+        float own = ink_of_level(tiles, hatch.xy, min(fine + k, int(INK_LEVELS) - 1), darkness);
+        ink = k == 0 ? own : mix(ink, own, blend);
     }
     // Magnified texels keep sharp borders.
     float sharp = clamp(exp2(-hatch.z), 1.0, 8.0);
@@ -49,11 +49,13 @@ float ink_of_tile(sampler2D tiles, vec3 hatch, float darkness) {
 
 // Below level 0 strokes would grow: the next octave, of strokes half as large, takes over.
 float ink_of_octaves(sampler2D tiles, vec3 hatch, float darkness) {
-    float ink = ink_of_tile(tiles, hatch, darkness);
     float next = clamp(-hatch.z, 0.0, 1.0);
-    if (next > 0.0) {
-        vec3 finer = vec3(2.0 * hatch.xy, hatch.z + 1.0);
-        ink = mix(ink, ink_of_tile(tiles, finer, darkness), next);
+    int count = darkness > 0.0 ? (next > 0.0 ? 2 : 1) : 0;
+    float ink = 0.0;
+    for (int k = 0; k < count; k++) {
+        float own = ink_of_tile(tiles, hatch, darkness);
+        ink = k == 0 ? own : mix(ink, own, next);
+        hatch = vec3(2.0 * hatch.xy, hatch.z + 1.0);
     }
     return ink;
 }

@@ -38,14 +38,20 @@ float line(ivec2 pixel) {
     int reach = min(int(ceil(push.half_width)), INK_WIDEN);
     ivec2 last = ivec2(push.width, push.height) - 1;
     float most = 0.0;
+    float half_width = styles[push.style].half_width;
+    float strength = styles[push.style].contour;
     for (int y = -reach; y <= reach; y++) {
         for (int x = -reach; x <= reach; x++) {
             ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), last);
             float found = texelFetch(contour_map, at, 0).r;
             if (found > 0.0) {
-                InkStyle style = styles[MIXED ? style_of(texelFetch(ids_map, at, 0).x) : push.style];
-                float edge = clamp(style.half_width + 0.5 - length(vec2(x, y)), 0.0, 1.0);
-                most = max(most, style.contour * (edge * found));
+                if (MIXED) {
+                    uint style = style_of(texelFetch(ids_map, at, 0).x);
+                    half_width = styles[style].half_width;
+                    strength = styles[style].contour;
+                }
+                float edge = clamp(half_width + 0.5 - length(vec2(x, y)), 0.0, 1.0);
+                most = max(most, strength * (edge * found));
             }
         }
     }
