@@ -8,8 +8,8 @@
 // Tones over which a stroke comes in, on both sides of its own.
 const float INK_SOFT = 0.03;
 
-// Levels lie below each other in one image: not every device looks up neighbouring pixels in
-// different levels of a texture.
+// Levels lie below each other in one image: devices do not agree about neighbouring pixels that
+// look into different levels of a texture.
 float ink_of_texel(sampler2D tiles, ivec2 at, int level, float darkness) {
     int size = int(INK_TILE) >> level;
     int first = 2 * (int(INK_TILE) - size);
