@@ -97,10 +97,7 @@ fn compare([a, b]: &[Drawing; 2], again: &Drawing, reach: usize) -> Vec<(String,
         ));
     }
     found.extend([
-        (
-            SAME_ATTRIBUTES.into(),
-            differ::picture(a, again, &all),
-        ),
+        (SAME_ATTRIBUTES.into(), differ::picture(a, again, &all)),
         (
             format!("picture, same leaves within {reach} pixels"),
             differ::picture(a, b, &around),
