@@ -194,6 +194,14 @@ mod tests {
         // No step of the slider may leap.
         let most = areas.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
         assert!(most < 0.1, "{most}");
+        // The leaf's own mask, without distances, has nothing between.
+        let mut mask = shape;
+        for (i, texel) in mask.texels.iter_mut().enumerate() {
+            let leaf = lobed(place(i % SHAPE_SIZE, i / SHAPE_SIZE));
+            *texel = if leaf { OUTLINE } else { 0 };
+        }
+        let [low, high] = [0.1, 0.9].map(|t| share(|p| mask.covers(p, t)));
+        assert!(low - high < 0.1, "a mask grows by {}", low - high);
     }
 
     #[test]

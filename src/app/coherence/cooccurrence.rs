@@ -78,11 +78,7 @@ mod tests {
     use crate::ink::strokes::{Tile, TileSettings};
 
     /// A tile of strokes at a darkness of 0.3, seen through a map of the picture.
-    fn seen(map: impl Fn(f32, f32) -> (f32, f32)) -> Matrices {
-        let tile = Tile::new(&TileSettings {
-            tones: 6,
-            ..TileSettings::default()
-        });
+    fn seen(tile: &Tile, map: impl Fn(f32, f32) -> (f32, f32)) -> Matrices {
         let ink = |i: u32| {
             let (u, v) = map((i % 128) as f32, (i / 128) as f32);
             let at = |t: f32| (t.rem_euclid(512.0)) as usize % 512;
@@ -98,13 +94,17 @@ mod tests {
 
     #[test]
     fn the_same_is_0_and_a_texture_is_the_worse_the_more_it_is_stretched() {
-        let plain = seen(|x, y| (x, y));
+        let tile = &Tile::new(&TileSettings {
+            tones: 6,
+            ..TileSettings::default()
+        });
+        let plain = seen(tile, |x, y| (x, y));
         assert_eq!(plain.error(&plain), Some(0.0));
         let against = |stretch: f32| {
-            let along = seen(|x, y| (x, y / stretch));
+            let along = seen(tile, |x, y| (x, y / stretch));
             plain.error(&along).unwrap_or(0.0)
         };
-        let moved = plain.error(&seen(|x, y| (x + 150.0, y + 230.0)));
+        let moved = plain.error(&seen(tile, |x, y| (x + 150.0, y + 230.0)));
         let moved = moved.unwrap_or(9.0);
         let errors = [1.25, 1.5, 2.0, 3.0, 5.0].map(against);
         assert!(errors.windows(2).all(|e| e[0] < e[1]), "{errors:?}");
@@ -112,7 +112,7 @@ mod tests {
             moved < errors[1],
             "elsewhere in the tile: {moved}, {errors:?}"
         );
-        let turned = plain.error(&seen(|x, y| (y, x))).unwrap_or(0.0);
+        let turned = plain.error(&seen(tile, |x, y| (y, x))).unwrap_or(0.0);
         assert!(turned > errors[1], "turned by a right angle: {turned}");
         let none = Matrices::new(&[0.0; 16], |_, _| false, [4, 4]);
         assert_eq!(none.error(&none), None, "no pairs");

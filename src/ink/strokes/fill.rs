@@ -254,6 +254,21 @@ mod tests {
     }
 
     #[test]
+    fn strokes_that_come_in_at_other_tones_are_told() {
+        let tile = Tile::new(&TileSettings {
+            tones: 6,
+            ..TileSettings::default()
+        });
+        assert!(tile.tone_error(0) < 0.1);
+        let late = tile.strokes.iter().map(|s| Stroke {
+            tone: s.tone * s.tone,
+            ..*s
+        });
+        let late = Tile::of_strokes(late.collect());
+        assert!(late.tone_error(0) > 0.1, "{}", late.tone_error(0));
+    }
+
+    #[test]
     fn strokes_cross_above_their_tone_and_not_below() {
         let settings = TileSettings {
             crossing: 0.5,

@@ -297,6 +297,13 @@ mod tests {
                 );
             }
         }
+        // Strokes of the finest level alone would lack those of coarser ones.
+        let own = tile.strokes.iter().filter(|s| s.level == 0).copied();
+        let own = Tile::of_strokes(own.collect());
+        let coarse = tile.strokes.iter().filter(|s| s.level > 0).copied();
+        let coarse = Tile::of_strokes(coarse.collect());
+        let within = coarse.levels[0].iter().zip(&own.levels[0]);
+        assert!(!within.clone().all(|(a, b)| b <= a), "nesting is told");
         // Tones are nested since a texel has one threshold: what is ink at a darkness is at more.
         let inked = |at: u8| tile.levels[0].iter().map(move |&t| t <= at);
         assert!(inked(90).zip(inked(140)).all(|(a, b)| b || !a), "nested");
