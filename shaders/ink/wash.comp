@@ -41,8 +41,8 @@ void main() {
     vec2 here = cover(at);
     vec2 x = cover(at + vec2(1.0, 0.0)) - cover(at - vec2(1.0, 0.0));
     vec2 y = cover(at + vec2(0.0, 1.0)) - cover(at - vec2(0.0, 1.0));
-    // Change per pixel; where nothing changes an edge is far.
-    vec2 slope = max(0.5 * vec2(length(vec2(x.x, y.x)), length(vec2(x.y, y.y))), vec2(2e-3));
+    // Change per pixel; where hardly anything changes an edge is far, and comes over it slowly.
+    vec2 slope = max(0.5 * vec2(length(vec2(x.x, y.x)), length(vec2(x.y, y.y))), vec2(5e-3));
     float shape = (here.x - 0.5) / slope.x;
     float density = layer(shape);
     // Later layers end where the first one does.

@@ -251,7 +251,7 @@ pub fn wash(
     let across = cover(at + DVec2::X) - cover(at - DVec2::X);
     let down = cover(at + DVec2::Y) - cover(at - DVec2::Y);
     let slope = 0.5 * DVec2::new(across.x.hypot(down.x), across.y.hypot(down.y));
-    let slope = slope.max(DVec2::splat(2e-3));
+    let slope = slope.max(DVec2::splat(5e-3));
     let shape = (here.x - 0.5) / slope.x;
     let mut density = layer(shape);
     density += layer(((f64::from(push.middle) - here.y) / slope.y).min(shape));
