@@ -41,14 +41,16 @@ void main() {
     vec2 here = cover(at);
     vec2 x = cover(at + vec2(1.0, 0.0)) - cover(at - vec2(1.0, 0.0));
     vec2 y = cover(at + vec2(0.0, 1.0)) - cover(at - vec2(0.0, 1.0));
-    // Change per pixel; where hardly anything changes an edge is far, and comes over it slowly.
-    vec2 slope = max(0.5 * vec2(length(vec2(x.x, y.x)), length(vec2(x.y, y.y))), vec2(5e-3));
+    // Change per pixel; where nothing changes an edge is far.
+    vec2 slope = max(0.5 * vec2(length(vec2(x.x, y.x)), length(vec2(x.y, y.y))), vec2(2e-3));
     float shape = (here.x - 0.5) / slope.x;
     float density = layer(shape);
     // Later layers end where the first one does.
-    density += layer(min((push.middle - here.y) / slope.y, shape));
-    density += layer(min((push.dark - here.y) / slope.y, shape));
     float settled = cloudy_noise(on_paper / INK_PIGMENT_LENGTH, push.seed + 31u) - 0.5;
+    // An even tone is not painted over at once.
+    float tone = here.y + 0.06 * settled;
+    density += layer(min((push.middle - tone) / slope.y, shape));
+    density += layer(min((push.dark - tone) / slope.y, shape));
     float grain = cloudy_noise(on_paper / INK_GRAIN_LENGTH, push.seed + 47u) - 0.5;
     density *= push.density * max(1.0 + 2.0 * push.pigment * settled + 2.0 * push.grain * grain, 0.0);
     vec4 paint = bilinear(colour_map, at, size);

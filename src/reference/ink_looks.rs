@@ -251,12 +251,14 @@ pub fn wash(
     let across = cover(at + DVec2::X) - cover(at - DVec2::X);
     let down = cover(at + DVec2::Y) - cover(at - DVec2::Y);
     let slope = 0.5 * DVec2::new(across.x.hypot(down.x), across.y.hypot(down.y));
-    let slope = slope.max(DVec2::splat(5e-3));
+    let slope = slope.max(DVec2::splat(2e-3));
     let shape = (here.x - 0.5) / slope.x;
     let mut density = layer(shape);
-    density += layer(((f64::from(push.middle) - here.y) / slope.y).min(shape));
-    density += layer(((f64::from(push.dark) - here.y) / slope.y).min(shape));
     let settled = noise(INK_PIGMENT_LENGTH, 31);
+    // An even tone is not painted over at once.
+    let tone = here.y + 0.06 * settled;
+    density += layer(((f64::from(push.middle) - tone) / slope.y).min(shape));
+    density += layer(((f64::from(push.dark) - tone) / slope.y).min(shape));
     let grain = noise(INK_GRAIN_LENGTH, 47);
     let uneven = 2.0 * f64::from(push.pigment) * settled + 2.0 * f64::from(push.grain) * grain;
     density *= f64::from(push.density) * (1.0 + uneven).max(0.0);
