@@ -115,6 +115,12 @@ fn what_the_device_draws_is_inside_the_outlines_that_vectors_follow() {
                 umbrage::ink::paper::fit::distance_to_segment(p, a, b) < 0.35
             })
         };
+        let bounds = |ring: &Vec<DVec2>| {
+            let low = ring.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+            let high = ring.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+            [low - 1.0, high + 1.0]
+        };
+        let boxes: Vec<[DVec2; 2]> = outlines.iter().map(bounds).collect();
         let (mut right, mut wrong) = (0, 0);
         for (i, &number) in maps.foliage_number.iter().enumerate() {
             let p = DVec2::new(
@@ -125,6 +131,9 @@ fn what_the_device_draws_is_inside_the_outlines_that_vectors_follow() {
             let mut best = (f64::INFINITY, 0);
             let mut doubtful = false;
             for (k, ring) in outlines.iter().enumerate() {
+                if p.cmplt(boxes[k][0]).any() || p.cmpgt(boxes[k][1]).any() {
+                    continue;
+                }
                 doubtful |= near(p, ring);
                 let depth = -f64::from(particles[k].centre.z);
                 if inside(p, ring) && depth < best.0 {
