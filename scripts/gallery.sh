@@ -32,7 +32,7 @@ variant() {
     --share 0,0.33,0.67,1 --size 300x340 -o "$out/ink-way.png"
 # figure 3, right: styles
 for style in van-gogh pointillist; do
-    "$umbrage" render "$models/oak_medium_dense.glb" --style $style --size 400x460 -o "$out/ink-$style.png"
+    "$umbrage" render "$models/ash_large.glb" --style $style --size 400x460 -o "$out/ink-$style.png"
 done
 "$umbrage" render "$models/oak_medium.glb" --style minimal --size 400x460 --margin 0.16 -o "$out/ink-minimal.png"
 "$umbrage" render "$models/oak_medium.glb" --style mixed --size 560x560 -o "$out/ink-mixed.png"
