@@ -167,10 +167,16 @@ abi! {
             paper: [f32; 3],
             /// Pixels across.
             width: u32,
-            /// Linear colour of the ink.
+            /// Linear colour of foliage's lines.
             ink: [f32; 3],
             /// Pixels down.
             height: u32,
+            /// Linear colour of stems' lines.
+            stem_ink: [f32; 3],
+            /// Linear colour of shadow's areas.
+            shadow_ink: [f32; 3],
+            /// The same on the ground.
+            ground_ink: [f32; 3],
             /// Threshold of foliage, units of the depth range / 65535.
             foliage: f32,
             /// The same of stems.
@@ -185,7 +191,7 @@ abi! {
             leaves: u32,
             /// Growth of foliage's threshold in shadow, -1 to 1.
             detail: f32,
-            /// Shadow from which everything is ink; above 1: nowhere.
+            /// Shadow from which areas are inked, lines on them; above 1: nowhere.
             black: f32,
             /// Growth of lines' width in shadow.
             pressure: f32,

@@ -148,8 +148,8 @@ pub struct Lines<'a> {
     pub factors: Option<&'a [[f32; 4]]>,
 }
 
-/// Half width of the line in a pixel; 0: none.
-fn line(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> f64 {
+/// Half width of the line in a pixel, 0: none; and whether it is a stem's.
+fn line(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> (f64, bool) {
     let (w, h) = (i64::from(push.width), i64::from(push.height));
     let row = y.clamp(0, h - 1);
     let at = (row * w + x.clamp(0, w - 1)) as usize;
@@ -158,7 +158,8 @@ fn line(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> f64 {
     let [more, wider] = maps
         .factors
         .map_or([1.0; 2], |f| [f[at][0], f[at][1]].map(f64::from));
-    let width = if foliage > 0.0 && (stem <= 0.0 || foliage <= stem) {
+    let on_foliage = foliage > 0.0 && (stem <= 0.0 || foliage <= stem);
+    let width = if on_foliage {
         let number = maps.foliage_number[at] as u32;
         let threshold = f64::from(push.foliage) * (1.0 + f64::from(push.detail) * shade) * more;
         let particle = &maps.particles[number as usize - 1];
@@ -174,29 +175,34 @@ fn line(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> f64 {
     } else {
         0.0
     };
-    f64::from(width) * (1.0 + f64::from(push.pressure) * shade) * wider
+    let width = f64::from(width) * (1.0 + f64::from(push.pressure) * shade) * wider;
+    (width, !on_foliage)
 }
 
-/// Ink of a pixel of the bitmap, 0 to 1.
+/// Linear colour of a pixel of the bitmap.
 #[must_use]
-pub fn bitmap(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> f64 {
+pub fn bitmap(maps: &Lines<'_>, push: &PaperBitmap, x: i64, y: i64) -> [f64; 3] {
     let at = (y * i64::from(push.width) + x) as usize;
-    if maps.shadow.is_some_and(|s| s[at] > push.black) {
-        return 1.0;
-    }
+    let ground = maps.foliage_depth[at] > 0.0 && maps.foliage_number[at] as u32 > push.leaves;
+    let below = match (maps.shadow.is_some_and(|s| s[at] > push.black), ground) {
+        (true, true) => push.ground_ink,
+        (true, false) => push.shadow_ink,
+        (false, _) => push.paper,
+    };
     let widest = f64::from(push.foliage_width.max(push.stem_width))
         * (1.0 + f64::from(push.pressure))
         * f64::from(push.widest);
     let reach = (widest.ceil() as i64).min(i64::from(PAPER_WIDEN));
-    let mut ink = 0.0_f64;
+    let (mut most, mut ink) = (0.0_f64, push.ink);
     for (dy, dx) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dy, dx))) {
-        let width = line(maps, push, x + dx, y + dy);
-        if width > 0.0 {
-            let away = ((dx * dx + dy * dy) as f64).sqrt();
-            ink = ink.max((width + 0.5 - away).clamp(0.0, 1.0));
+        let (width, on_stem) = line(maps, push, x + dx, y + dy);
+        let cover = width + 0.5 - ((dx * dx + dy * dy) as f64).sqrt();
+        if width > 0.0 && cover > most {
+            most = cover;
+            ink = if on_stem { push.stem_ink } else { push.ink };
         }
     }
-    ink
+    vector(below).lerp(vector(ink), most.min(1.0)).to_array()
 }
 
 #[cfg(test)]

@@ -55,6 +55,7 @@ mod models;
 mod models_damage;
 mod paper;
 mod paper_frames;
+mod paper_inks;
 mod paper_limits;
 mod paper_lines;
 mod paper_modulation;

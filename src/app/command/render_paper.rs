@@ -29,7 +29,6 @@ use crate::ink::paper::style::PaperStyle;
 use crate::ink::paper::svg::Drawing;
 use crate::ink::paper::vectors::StrokePlaces;
 use crate::ink::view::View;
-use crate::math::colour::srgb_to_linear;
 use crate::render::RenderSettings;
 use crate::scene::{Camera, Lens};
 use crate::{Error, Result};
@@ -357,8 +356,9 @@ impl<'a> Board<'a> {
                 let style = &self.style;
                 let scale = 1.0 / (style.sheet.resolution * f64::from(factor));
                 let strokes = strokes_of(&maps, style, view, scale);
-                let ink = style.sheet.ink.map(srgb_to_linear);
-                lay(&mut pixels, maps.size, &strokes, ink);
+                for (ink, strokes) in strokes {
+                    lay(&mut pixels, maps.size, &strokes, ink);
+                }
             });
         }
         let picture = timings.measure("reduce", || reduced_pixels(self.size, &pixels, factor));

@@ -122,7 +122,7 @@ pub(super) fn run<P: bytemuck::Pod>(
 }
 
 /// The twin's value of every pixel.
-pub(super) fn expected(one: impl Fn(i64, i64) -> f64) -> Vec<f64> {
+pub(super) fn expected<T>(one: impl Fn(i64, i64) -> T) -> Vec<T> {
     let width = i64::from(SIZE[0]);
     (0..i64::from(count()))
         .map(|i| one(i % width, i / width))
@@ -268,10 +268,13 @@ fn bitmap(gpu: &Gpu, shadow: bool, modulated: bool) -> Result<Outcome> {
     let shade = noise(75, 1.0);
     let particles = particles();
     let push = PaperBitmap {
-        paper: [0.0; 3],
+        paper: [1.0, 0.9, 0.8],
         width: SIZE[0],
-        ink: [1.0; 3],
+        ink: [0.0, 0.6, 0.1],
         height: SIZE[1],
+        stem_ink: [0.5, 0.2, 0.0],
+        shadow_ink: [0.1, 0.2, 0.4],
+        ground_ink: [0.3, 0.0, 0.7],
         foliage: 2600.0,
         stem: 2800.0,
         foliage_width: 0.7,
@@ -318,7 +321,10 @@ fn bitmap(gpu: &Gpu, shadow: bool, modulated: bool) -> Result<Outcome> {
         &push,
     )?;
     let halves: Vec<[u16; 4]> = pod_collect_to_vec(&bytes);
-    let found: Vec<f32> = halves.iter().map(|h| f16_to_f32(h[0])).collect();
+    let found: Vec<[f32; 3]> = halves
+        .iter()
+        .map(|h| [h[0], h[1], h[2]].map(f16_to_f32))
+        .collect();
     let lines = twin::Lines {
         foliage_depth: &foliage,
         foliage_number: &number,
@@ -330,6 +336,9 @@ fn bitmap(gpu: &Gpu, shadow: bool, modulated: bool) -> Result<Outcome> {
         factors: modulated.then_some(&factors),
     };
     let want = expected(|x, y| twin::bitmap(&lines, &push, x, y));
-    let error = |got: &f32, want: &f64| (f64::from(*got) - want).abs();
-    Ok(Outcome::worst((&found, &want), error, (2e-3, "ink")))
+    let error = |got: &[f32; 3], want: &[f64; 3]| {
+        let off = |k: usize| (f64::from(got[k]) - want[k]).abs();
+        off(0).max(off(1)).max(off(2))
+    };
+    Ok(Outcome::worst((&found, &want), error, (2e-3, "colour")))
 }

@@ -6,9 +6,10 @@ use rayon::prelude::*;
 
 use super::across::{Across, layers};
 use super::anchored::{Surface, hand_round, metres_of_pixel, noise_at, placed};
-use super::curve::Polyline;
+use super::curve::{Curve, Polyline};
 use super::diffusion::{DiffusionSettings, Tone};
 use super::fit::{FitSettings, fit};
+use super::inks::{Inks, Part, bytes, on_ground};
 use super::order::{joined, pen_up, sorted, without_repeats};
 use super::outline::{Seen, lines};
 use super::pen::{Pen, Stroke};
@@ -102,12 +103,14 @@ pub fn traced(maps: &Maps, style: &PaperStyle, view: &View) -> Drawing {
     let placement = Placement::new(style, maps.size);
     let visible = Visible::new(maps);
     let mut layers = Vec::new();
-    let mut add = |number, name: &str, strokes: Vec<Stroke>| {
+    let inks = Inks::of(style);
+    let mut add = |number, name: &str, ink, strokes: Vec<Stroke>| {
         layers.push(Layer {
             number,
             name: name.to_owned(),
             strokes,
             areas: Vec::new(),
+            ink: inks.own(ink),
         });
     };
     let shade = Shade::new(maps, style);
@@ -121,12 +124,14 @@ pub fn traced(maps: &Maps, style: &PaperStyle, view: &View) -> Drawing {
         add(
             1,
             "stem contour",
+            inks.stem,
             stem_contour((maps, &visible), &lines, style, view, &placement),
         );
         if style.stem.hatching > 0.0 {
             add(
                 2,
                 "stem hatch",
+                inks.stem_hatch,
                 stem_hatching(maps, &visible, style, view, &placement),
             );
         }
@@ -136,24 +141,41 @@ pub fn traced(maps: &Maps, style: &PaperStyle, view: &View) -> Drawing {
             Some([_, lines]) => traced_contour((maps, lines), &shade, style, &placement),
             None => foliage_contour(maps, &visible, &shade, style, view, &placement),
         };
-        add(3, "foliage contour", strokes);
+        add(3, "foliage contour", inks.foliage, strokes);
     }
-    let mut hatch = Vec::new();
+    let mut shadow = Vec::new();
     if style.shadow.form == ShadowForm::Hatch {
-        hatch = shade.hatching(&visible.foliage, view, &placement);
+        shadow = shade.hatching(&visible.foliage, view, &placement);
     }
+    let mut tiles = Vec::new();
     if style.tiles.strength > 0.0 {
-        hatch.extend(tile_hatching(maps, &visible, style, view, &placement));
+        tiles = tile_hatching(maps, &visible, style, view, &placement);
     }
-    add(4, "foliage hatch", hatch);
+    let (ground, shadow) = on_ground(maps, style, &placement, shadow);
+    for (number, name, ink, strokes) in inks.hatching(shadow, tiles, ground) {
+        add(number, name, ink, strokes);
+    }
     if style.shadow.form == ShadowForm::Black {
-        layers.push(shade.black(&visible, &placement));
+        for (number, name, ink, part) in inks.areas(style) {
+            let (strokes, areas) = shade.black(&visible, &placement, part);
+            let layer = Layer {
+                number,
+                name: name.to_owned(),
+                strokes,
+                areas,
+                ink: inks.own(ink),
+            };
+            // Lines are seen on areas where inks differ.
+            let coloured = layer.ink.is_some() || layers.iter().any(|l: &Layer| l.ink.is_some());
+            let at = if coloured { 0 } else { layers.len() };
+            layers.insert(at, layer);
+        }
     }
     layers.retain(|l| !l.strokes.is_empty() || !l.areas.is_empty());
     Drawing {
         paper: style.sheet.paper,
         layers,
-        ink: style.sheet.ink.map(|v| (255.0 * v).round() as u8),
+        ink: bytes(style.sheet.ink),
         metadata: String::new(),
     }
 }
@@ -301,39 +323,37 @@ impl<'a> Shade<'a> {
         1.0 + shadow.pressure * f64::from(self.at(at.y as usize * w + at.x as usize))
     }
 
-    /// What is black of foliage, ground and stems.
-    fn black(&self, visible: &Visible, placement: &Placement) -> Layer {
+    /// What is black of a part of foliage, ground and stems.
+    fn black(
+        &self,
+        visible: &Visible,
+        placement: &Placement,
+        part: Part,
+    ) -> (Vec<Stroke>, Vec<Curve>) {
         let s = &self.style.shadow;
         let seen = visible.foliage.iter().zip(&visible.stems);
         let dark: Vec<bool> = seen
             .enumerate()
-            .map(|(i, (&f, &t))| (f || t) && f64::from(self.at(i)) > s.black)
+            .map(|(i, (&f, &t))| {
+                let ground = f && self.maps.foliage_number[i] as usize > self.maps.leaves;
+                (f || t) && part.has(ground) && f64::from(self.at(i)) > s.black
+            })
             .collect();
         let size = self.maps.size;
-        let mut layer = Layer {
-            number: 5,
-            name: "shadow".into(),
-            ..Layer::default()
-        };
         if self.style.sheet.profile == Profile::Plotter {
             let spacing = 0.9 * s.pen.width / placement.scale;
             let lines = filling(size, &dark, spacing, -s.angle.to_radians());
-            layer.strokes = lines
-                .iter()
-                .map(|l| s.pen.draw(&placement.line(l), 0, |_| 1.0))
-                .collect();
+            let one = |l| s.pen.draw(&placement.line(l), 0, |_| 1.0);
+            (lines.iter().map(one).collect(), Vec::new())
         } else {
             let curves = FitSettings {
                 tolerance: self.style.sheet.tolerance,
                 corner: 1.2,
             };
             let areas = region::outlines(size, &dark, SPECK);
-            layer.areas = areas
-                .par_iter()
-                .map(|l| fit(&placement.line(l), &curves))
-                .collect();
+            let one = |l| fit(&placement.line(l), &curves);
+            (Vec::new(), areas.par_iter().map(one).collect())
         }
-        layer
     }
 
     /// Strokes for the shadow on foliage and ground.

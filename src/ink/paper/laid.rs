@@ -5,6 +5,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::drawing::{Placement, Shade, Visible, stem_hatching};
+use super::inks::{Inks, on_ground};
 use super::pen::Stroke;
 use super::renderer::Maps;
 use super::style::{PaperStyle, ShadowForm};
@@ -25,26 +26,44 @@ fn hatches_stems(style: &PaperStyle) -> bool {
     style.stem.draw && style.stem.hatching > 0.0
 }
 
+/// Strokes of one ink (linear).
+pub type Inked = ([f32; 3], Vec<Stroke>);
+
 /// The strokes on stems and in shadow, in pixels of the maps; `scale` is a pixel's size in
-/// millimetres. With the sheet's own resolution they are the strokes of the vectors.
+/// millimetres. With the sheet's own resolution they are the strokes of the vectors. Those of one
+/// ink are together.
 #[must_use]
-pub fn strokes_of(maps: &Maps, style: &PaperStyle, view: &View, scale: f64) -> Vec<Stroke> {
+pub fn strokes_of(maps: &Maps, style: &PaperStyle, view: &View, scale: f64) -> Vec<Inked> {
     let placement = Placement {
         scale,
         corner: DVec2::ZERO,
     };
     let visible = Visible::new(maps);
-    let mut out = Vec::new();
+    let inks = Inks::of(style).linear();
+    let mut out: Vec<Inked> = Vec::new();
+    let mut add = |ink: [f32; 3], strokes: Vec<Stroke>| match out.iter_mut().find(|o| o.0 == ink) {
+        Some((_, own)) => own.extend(strokes),
+        None => out.push((ink, strokes)),
+    };
     if hatches_stems(style) {
-        out.extend(stem_hatching(maps, &visible, style, view, &placement));
+        add(
+            inks.stem_hatch,
+            stem_hatching(maps, &visible, style, view, &placement),
+        );
     }
     if style.shadow.form == ShadowForm::Hatch {
-        out.extend(Shade::new(maps, style).hatching(&visible.foliage, view, &placement));
+        let found = Shade::new(maps, style).hatching(&visible.foliage, view, &placement);
+        let (ground, plants) = on_ground(maps, style, &placement, found);
+        add(inks.shadow, plants);
+        add(inks.ground, ground);
     }
     if style.tiles.strength > 0.0 {
-        out.extend(tile_hatching(maps, &visible, style, view, &placement));
+        add(
+            inks.foliage_hatch,
+            tile_hatching(maps, &visible, style, view, &placement),
+        );
     }
-    for stroke in &mut out {
+    for stroke in out.iter_mut().flat_map(|o| &mut o.1) {
         stroke.line.points.iter_mut().for_each(|p| *p /= scale);
         stroke.widths.iter_mut().for_each(|w| *w /= scale);
     }

@@ -15,6 +15,7 @@ pub mod drawing;
 pub mod expression;
 mod factors;
 pub mod fit;
+mod inks;
 pub mod laid;
 pub mod modulation;
 pub mod order;

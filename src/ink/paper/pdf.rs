@@ -74,13 +74,14 @@ fn written(fitted: &Fitted<'_>, layers: &[(Ref, String, &Layer)]) -> Vec<u8> {
         0.0,
         (drawing.paper[1] * POINTS) as f32,
     ]);
-    let [r, g, b] = drawing.ink.map(|v| f32::from(v) / 255.0);
-    out.set_fill_rgb(r, g, b).set_stroke_rgb(r, g, b);
     out.set_line_cap(LineCapStyle::RoundCap);
     out.set_line_join(LineJoinStyle::RoundJoin);
     for ((_, name, layer), fitted) in layers.iter().zip(&fitted.layers) {
         out.begin_marked_content_with_properties(Name(b"OC"))
             .properties_named(Name(name.as_bytes()));
+        let ink = layer.ink.unwrap_or(drawing.ink);
+        let [r, g, b] = ink.map(|v| f32::from(v) / 255.0);
+        out.set_fill_rgb(r, g, b).set_stroke_rgb(r, g, b);
         if !layer.areas.is_empty() {
             layer.areas.iter().for_each(|a| path(&mut out, a));
             out.fill_even_odd();
@@ -164,6 +165,7 @@ mod tests {
             name: name.into(),
             strokes: vec![Pen::default().draw(&line, 0, |_| 1.0)],
             areas: Vec::new(),
+            ink: (number == 3).then_some([0, 255, 0]),
         };
         Drawing {
             paper: [210.0, 297.0],
@@ -214,5 +216,10 @@ mod tests {
             "{lines}"
         );
         assert!(lines.contains("0.3 w"), "{lines}");
+        // Each layer in its own ink.
+        assert!(
+            lines.contains("0 0 0 RG") && lines.contains("0 1 0 RG"),
+            "{lines}"
+        );
     }
 }

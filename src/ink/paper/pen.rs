@@ -27,6 +27,8 @@ pub struct Pen {
     pub lift: f64,
     /// Where open lines start.
     pub start: Start,
+    /// Colour of its ink, sRGB, 0 to 1; none: the sheet's.
+    pub colour: Option<[f32; 3]>,
 }
 
 /// Which end of an open line is drawn first.
@@ -64,6 +66,7 @@ impl Default for Pen {
             wavelength: 4.0,
             lift: 0.0,
             start: Start::Any,
+            colour: None,
         }
     }
 }

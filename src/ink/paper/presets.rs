@@ -1,7 +1,7 @@
 //! Built-in styles of drawings on paper: figures of Deussen and Strothotte 2000, and our own.
 
 /// Built-in styles: name and file.
-pub const PRESETS: [(&str, &str); 16] = [
+pub const PRESETS: [(&str, &str); 17] = [
     ("ds00-fig2", include_str!("presets/ds00-fig2.toml")),
     ("ds00-fig3a", include_str!("presets/ds00-fig3a.toml")),
     ("ds00-fig3b", include_str!("presets/ds00-fig3b.toml")),
@@ -15,6 +15,7 @@ pub const PRESETS: [(&str, &str); 16] = [
     ("ds00-fig6d", include_str!("presets/ds00-fig6d.toml")),
     ("ds00-fig6e", include_str!("presets/ds00-fig6e.toml")),
     ("ds00-fig6f", include_str!("presets/ds00-fig6f.toml")),
+    ("coloured-pens", include_str!("presets/coloured-pens.toml")),
     (
         "crown-hatching",
         include_str!("presets/crown-hatching.toml"),

@@ -5,6 +5,7 @@ use bytemuck::pod_collect_to_vec;
 use glam::DVec2;
 
 use super::factors::{Factors, Read};
+use super::inks::Inks;
 use super::laid::has_strokes;
 use super::particles::{Particle, records};
 use super::polygon;
@@ -319,7 +320,7 @@ impl PaperRenderer {
         let read = work.read_image("paper picture", &picture)?;
         let tones = if has_strokes(&self.style) {
             let shadow = self.sun.as_ref().map(|s| &s.shadow);
-            let numbers = self.style.tiles.strength > 0.0;
+            let numbers = self.style.tiles.strength > 0.0 || self.style.ground.colour.is_some();
             let (foliage, stems) = (&self.foliage, &self.stems);
             Some(Tones::read(&mut work, foliage, stems, shadow, numbers)?)
         } else {
@@ -346,11 +347,15 @@ impl PaperRenderer {
         // A line that nobody wants is one that no difference reaches.
         let threshold = |draw: bool, t: f64| if draw { t as f32 } else { f32::INFINITY };
         let half = |width: f64| (0.5 * width * s.sheet.resolution * f64::from(factor)) as f32;
+        let inks = Inks::of(s).linear();
         PaperBitmap {
             paper: s.sheet.colour.map(srgb_to_linear),
             width: self.size[0],
-            ink: s.sheet.ink.map(srgb_to_linear),
+            ink: inks.foliage,
             height: self.size[1],
+            stem_ink: inks.stem,
+            shadow_ink: inks.shadow,
+            ground_ink: inks.ground,
             foliage: threshold(s.foliage.draw, s.foliage.threshold),
             stem: threshold(s.stem.draw, s.stem.threshold),
             foliage_width: half(s.foliage.pen.width),

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::inks;
 use super::modulation::{Modulation, Programs, resolve};
 use super::pen::Pen;
 pub use super::sizes::paper_size;
@@ -328,6 +329,8 @@ pub struct Ground {
     pub size: f64,
     /// Radius of the ground in half widths of the plants, 0.1 to 20.
     pub extent: f64,
+    /// Colour of the shadow's ink on it, sRGB, 0 to 1; none: that of the shadow's pen.
+    pub colour: Option<[f32; 3]>,
 }
 
 impl Default for Ground {
@@ -336,6 +339,7 @@ impl Default for Ground {
             count: 0,
             size: 0.2,
             extent: 1.6,
+            colour: None,
         }
     }
 }
@@ -497,6 +501,7 @@ impl PaperStyle {
             numbers.push((format!("{name}.wavelength"), pen.wavelength, 0.1, 1000.0));
             numbers.push((format!("{name}.lift"), pen.lift, 0.0, 1.0));
         }
+        numbers.extend(inks::numbers(self));
         numbers.extend(self.tiles.numbers());
         for (name, colour) in [("sheet.ink", sheet.ink), ("sheet.colour", sheet.colour)] {
             numbers.extend(colour.map(|v| (name.to_owned(), f64::from(v), 0.0, 1.0)));
@@ -542,6 +547,12 @@ mod tests {
             ("[sheet]\nmargin = 105.0", "sheet.margin"),
             ("[sheet]\npaper = [0.0, 297.0]", "sheet.paper"),
             ("[stem.pen]\nwidth = 0.0", "stem.pen.width"),
+            (
+                "[stem.pen]\ncolour = [0.1, 1.2, 0.0]",
+                "stem.pen.colour = 1.2",
+            ),
+            ("[ground]\ncolour = [nan, 0.0, 0.0]", "ground.colour = NaN"),
+            ("[tiles]\ncolour = [0.5, 0.5]", "colour"),
             (
                 "[primitive]\nform = { polygon = [[0.0, 0.0], [1.0, 0.0]] }",
                 "three points",

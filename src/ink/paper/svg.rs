@@ -26,7 +26,8 @@ pub enum Profile {
 /// Strokes that one pen draws.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Layer {
-    /// Its number: layers are drawn from the lowest on.
+    /// Its number: layers are drawn from the lowest on, but areas before all lines where inks
+    /// differ.
     pub number: u32,
     /// What it shows; without digits, since plotter tools read them as the number.
     pub name: String,
@@ -34,6 +35,8 @@ pub struct Layer {
     pub strokes: Vec<Stroke>,
     /// Outlines that are filled, rather than drawn.
     pub areas: Vec<Curve>,
+    /// Colour of its ink, sRGB; none: the drawing's.
+    pub ink: Option<[u8; 3]>,
 }
 
 /// A drawing on paper.
@@ -43,7 +46,7 @@ pub struct Drawing {
     pub paper: [f64; 2],
     /// Layers, from the lowest.
     pub layers: Vec<Layer>,
-    /// Colour of the ink, sRGB.
+    /// Colour of the ink of layers that have none of their own, sRGB.
     pub ink: [u8; 3],
     /// What drew it, as JSON.
     pub metadata: String,
@@ -133,8 +136,6 @@ impl Fitted<'_> {
     pub fn text(&self) -> String {
         let drawing = self.drawing;
         let [w, h] = drawing.paper;
-        let [r, g, b] = drawing.ink;
-        let ink = format!("#{r:02x}{g:02x}{b:02x}");
         let mut out = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
         let _ = writeln!(
             out,
@@ -143,6 +144,8 @@ impl Fitted<'_> {
         );
         let _ = writeln!(out, "<metadata>{}</metadata>", escaped(&drawing.metadata));
         for (layer, fitted) in drawing.layers.iter().zip(&self.layers) {
+            let [r, g, b] = layer.ink.unwrap_or(drawing.ink);
+            let ink = format!("#{r:02x}{g:02x}{b:02x}");
             layer.write(&mut out, self.profile, fitted, &ink);
         }
         out.push_str("</svg>\n");

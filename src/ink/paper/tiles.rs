@@ -47,6 +47,8 @@ pub struct Tiles {
     pub crossing: f64,
     /// Direction of strokes, degrees from the right upwards, -180 to 180.
     pub angle: f64,
+    /// Colour of the strokes' ink, sRGB, 0 to 1; none: the sheet's.
+    pub colour: Option<[f32; 3]>,
 }
 
 impl Default for Tiles {
@@ -61,6 +63,7 @@ impl Default for Tiles {
             texel: 0.14,
             crossing: 0.6,
             angle: 35.0,
+            colour: None,
         }
     }
 }
