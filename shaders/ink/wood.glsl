@@ -54,8 +54,9 @@ Attributes wood_attributes() {
     vec4 dx = dFdx(in_hatch);
     vec4 dy = dFdy(in_hatch);
     if (push.strokes == INK_STROKES_BODY) {
-        // The root mean square of a pixel's extents in the tile: where the map folds one is nothing.
-        float texels = sqrt(0.5 * (dot(dx.xy, dx.xy) + dot(dy.xy, dy.xy))) * float(INK_TILE);
+        // By a pixel's area in the tile; by its extents where the map folds and that is nothing.
+        float size = sqrt(0.5 * (dot(dx.xy, dx.xy) + dot(dy.xy, dy.xy)));
+        float texels = max(sqrt(abs(dx.x * dy.y - dx.y * dy.x)), 0.5 * size) * float(INK_TILE);
         a.hatch = hatch_octave(in_hatch.xy, log2(max(texels, 1e-6)));
     } else {
         bool along = style.wood_strokes == INK_STROKES_ALONG;

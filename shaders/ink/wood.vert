@@ -22,9 +22,10 @@ layout(location = 4) flat out uint out_cluster;
 
 void main() {
     uint vertex = uint(gl_VertexIndex);
-    // Thicker by a part of a pixel where plants are small: what is thinner stays a line.
+    // Thicker by a part of a pixel where plants are small: what is thinner stays a line. By more
+    // than half of it on each side, since sections of three and four sides are narrower than their circle.
     float depth = max(dot(positions[vertex] - frame.eye, frame.forward), 0.0);
-    out_position = positions[vertex] + 0.5 * frame.wood * depth / frame.focal * normals[vertex];
+    out_position = positions[vertex] + 0.6 * frame.wood * depth / frame.focal * normals[vertex];
     out_normal = normals[vertex];
     vec3 uv = vec3(texcoords[vertex], 1.0);
     out_texcoord = vec2(dot(push.texcoord_u, uv), dot(push.texcoord_v, uv));

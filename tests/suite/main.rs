@@ -26,6 +26,7 @@ mod grow;
 mod ink;
 mod ink_axes;
 mod ink_bodies;
+mod ink_far;
 mod ink_looks;
 mod ink_mix;
 mod ink_motion;
