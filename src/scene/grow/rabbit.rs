@@ -51,12 +51,18 @@ fn ellipsoid(p: DVec3, (middle, radii): ([f64; 3], [f64; 3])) -> f64 {
     }
 }
 
-/// Distance to a capsule whose radius changes evenly.
+/// Distance to the hull of two balls: the least to any ball between them. The foot of the
+/// perpendicular is not the nearest one's middle where radii change; with it normals leap at both ends.
 fn cone(p: DVec3, (a, from, b, to): ([f64; 3], f64, [f64; 3], f64)) -> f64 {
     let (a, b) = (DVec3::from(a), DVec3::from(b));
-    let way = b - a;
-    let t = ((p - a).dot(way) / way.length_squared()).clamp(0.0, 1.0);
-    (p - a - t * way).length() - (from + (to - from) * t)
+    let length = (b - a).length();
+    let way = (b - a) / length;
+    let along = (p - a).dot(way);
+    let aside = (p - a - along * way).length();
+    // How fast it narrows: the sine of the cone's half angle.
+    let sine = (from - to) / length;
+    let t = (along - aside * sine / (1.0 - sine * sine).sqrt()).clamp(0.0, length);
+    (along - t).hypot(aside) - (from - sine * t)
 }
 
 /// The lesser of two, rounded where they are near (polynomial).
@@ -146,6 +152,30 @@ fn normal(p: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn normals_do_not_leap_where_cones_go_over_into_balls() {
+        for one in CONES {
+            let (a, b) = (DVec3::from(one.0), DVec3::from(one.2));
+            let x = (b - a).normalize();
+            let y = x.any_orthonormal_vector();
+            let slope = |p: DVec3| {
+                let by = |d: DVec3| (cone(p + 1e-6 * d, one) - cone(p - 1e-6 * d, one)) / 2e-6;
+                (by(x), by(y))
+            };
+            let mut last = None;
+            for k in -200..=400 {
+                let along = 0.0005 * f64::from(k);
+                let p = a + along * x + 1.1 * one.1.max(one.3) * y;
+                let (u, v) = slope(p);
+                assert!((u.hypot(v) - 1.0).abs() < 1e-6, "a distance: {u} {v}");
+                let turn = v.atan2(u);
+                let before = last.replace(turn).unwrap_or(turn);
+                // Balls turn it by a step over their distance.
+                assert!((turn - before).abs() < 0.05, "{along}: {before} to {turn}");
+            }
+        }
+    }
 
     #[test]
     fn the_rabbit_is_closed_and_faces_outwards() {
