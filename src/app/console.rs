@@ -11,6 +11,12 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 /// Interval of the spinner's redraw.
 const TICK: Duration = Duration::from_millis(100);
 
+/// What is under way, and for how long.
+const LINE_OF_WORK: &str = "{spinner} {msg} {elapsed}";
+
+/// The same with a bar.
+const BAR: &str = "{spinner} {msg} [{bar:30}] {pos} of {len} {elapsed}";
+
 /// The progress line; hidden by indicatif when stderr is not a terminal.
 static LINE: LazyLock<Mutex<Option<ProgressBar>>> = LazyLock::new(Mutex::default);
 
@@ -60,9 +66,8 @@ pub fn line(text: &str) {
 /// Names the work under way; the line goes when the guard does.
 #[must_use]
 pub fn working(on: impl Display) -> Working {
-    let bar = ProgressBar::new_spinner().with_style(
-        ProgressStyle::with_template("{spinner} {msg} {elapsed}").expect("a valid template"),
-    );
+    let bar = ProgressBar::new_spinner()
+        .with_style(ProgressStyle::with_template(LINE_OF_WORK).expect("a valid template"));
     bar.set_message(on.to_string());
     bar.enable_steady_tick(TICK);
     let before = progress().replace(bar);
@@ -91,6 +96,28 @@ impl Drop for Working {
             bar.finish_and_clear();
         }
     }
+}
+
+/// Shows how much of a step of the work under way is done as a bar; where `all` is 0 the step is
+/// only named.
+pub fn part(name: &str, done: u64, all: u64) {
+    let line = progress();
+    let Some(bar) = &*line else {
+        return;
+    };
+    // Another step, another kind of line; what stays is only moved on.
+    if bar.message() != name || bar.length() != (all > 0).then_some(all) {
+        let template = if all == 0 { LINE_OF_WORK } else { BAR };
+        bar.set_style(ProgressStyle::with_template(template).expect("a valid template"));
+        bar.set_message(name.to_owned());
+        if all > 0 {
+            bar.set_length(all);
+        } else {
+            bar.unset_length();
+        }
+    }
+    // Estimates may be too low.
+    bar.set_position(if all > 0 { done.min(all) } else { done });
 }
 
 fn above_progress(text: &str) {

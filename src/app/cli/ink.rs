@@ -14,7 +14,7 @@ pub struct InkArgs {
     /// Draws instead of showing a view: full, half, minimal, mixed, normal-edges,
     /// normal-edges-original, outline, photo, pointillist, silhouette-hatching, smooth, toon,
     /// van-gogh, watercolour, or a style or mix file (.toml). On paper, also as vectors (.svg):
-    /// ds00-fig3a, -fig3b, -fig4a, -fig4b, -fig4c, -fig5, -fig6a to -fig6f, crown-hatching,
+    /// ds00-fig3a, -fig3b, -fig4a, -fig4b, -fig4c, -fig5, -fig6a to -fig6f, crown-hatching, coloured-pens,
     /// lenient-sketch, plotter-a4
     #[arg(long, value_name = "STYLE|FILE", conflicts_with_all = ["view", "compare", "lighting"])]
     pub style: Option<String>,

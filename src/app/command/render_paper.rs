@@ -23,6 +23,7 @@ use crate::ink::paper::fit::FitSettings;
 use crate::ink::paper::laid::{lay, strokes_of};
 use crate::ink::paper::particles::{Particle, ground, particles};
 use crate::ink::paper::pdf::pdf;
+use crate::ink::paper::progress::{Tell, quiet};
 use crate::ink::paper::renderer::{Bitmap, PaperRenderer, PaperScene};
 use crate::ink::paper::stems::{Told, drawn_stems, known_orders};
 use crate::ink::paper::style::PaperStyle;
@@ -302,7 +303,7 @@ impl<'a> Board<'a> {
         timings: &mut Timings,
     ) -> Result<Written> {
         match self.factor {
-            Some(factor) => self.bitmap(view, factor, file, timings),
+            Some(factor) => self.bitmap(view, (factor, frame), file, timings),
             None => self.vector(view, frame, file, timings),
         }
     }
@@ -319,14 +320,16 @@ impl<'a> Board<'a> {
             self.renderer.maps(&self.scene, view)
         })?;
         timings.add_passes(&maps.passes);
-        let mut found = timings.measure("trace", || traced(&maps, style, view));
+        let mut found = timings.measure("trace", || traced(&maps, style, view, tell(frame)));
         let order = timings.measure("sort", || sort(&mut found, style));
         found.metadata = metadata(style, view, frame)?;
         let curves = FitSettings {
             tolerance: style.sheet.tolerance,
             corner: CORNER,
         };
-        let fitted = timings.measure("fit", || found.fitted(style.sheet.profile, &curves));
+        let fitted = timings.measure("fit", || {
+            found.fitted_told(style.sheet.profile, &curves, tell(frame))
+        });
         let bytes = timings.measure("write", || {
             if ends_in(file, "pdf") {
                 pdf(&fitted)
@@ -341,7 +344,7 @@ impl<'a> Board<'a> {
     fn bitmap(
         &self,
         view: &View,
-        factor: u32,
+        (factor, frame): (u32, Option<u32>),
         file: &Path,
         timings: &mut Timings,
     ) -> Result<Written> {
@@ -355,7 +358,7 @@ impl<'a> Board<'a> {
             timings.measure("strokes", || {
                 let style = &self.style;
                 let scale = 1.0 / (style.sheet.resolution * f64::from(factor));
-                let strokes = strokes_of(&maps, style, view, scale);
+                let strokes = strokes_of(&maps, style, view, scale, tell(frame));
                 for (ink, strokes) in strokes {
                     lay(&mut pixels, maps.size, &strokes, ink);
                 }
@@ -366,6 +369,14 @@ impl<'a> Board<'a> {
         let json = json!({ "width": picture.width, "height": picture.height });
         Ok((encode(&picture, file)?, (said, json)))
     }
+}
+
+/// Who is told how far a drawing is: of a sequence its frames are told.
+fn tell(frame: Option<u32>) -> Tell<'static> {
+    if frame.is_some() {
+        return &quiet;
+    }
+    &|stage, done, all| console::part(stage.words(), done, all)
 }
 
 fn told(drawing: &Drawing, order: Order) -> (String, serde_json::Value) {

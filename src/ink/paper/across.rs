@@ -2,6 +2,7 @@
 
 use glam::{DMat2, DVec2};
 
+use super::diffusion::DiffusionSettings;
 use super::drawing::Visible;
 use super::renderer::Maps;
 
@@ -72,6 +73,15 @@ impl Across {
         let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
         DMat2::from_angle(angle) * DVec2::X
     }
+}
+
+/// About how many strokes carry the tones.
+pub(super) fn expected(tones: &[(Vec<f32>, f64)], settings: &DiffusionSettings) -> usize {
+    let dark = tones
+        .iter()
+        .flat_map(|t| &t.0)
+        .map(|d| f64::from(d.max(0.0)));
+    (dark.sum::<f64>() / (settings.length * settings.width).max(1e-6)) as usize
 }
 
 #[cfg(test)]

@@ -4,17 +4,20 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::across::{Across, layers};
+use super::across::{Across, expected, layers};
 use super::anchored::{Surface, hand_round, metres_of_pixel, noise_at, placed};
 use super::curve::{Curve, Polyline};
 use super::diffusion::{DiffusionSettings, Tone};
 use super::fit::{FitSettings, fit};
 use super::inks::{Inks, Part, bytes, on_ground};
 use super::order::{joined, pen_up, sorted, without_repeats};
-use super::outline::{Seen, lines};
+use super::outline::{Seen, lines, shown};
+use super::particles::outline;
 use super::pen::{Pen, Stroke};
+use super::polygon;
+use super::progress::{Count, Stage, Tell, quiet};
 use super::region::{self, filling};
-use super::renderer::{Maps, outlines};
+use super::renderer::Maps;
 use super::silhouette::{Edges, snapped};
 use super::style::{PaperStyle, ShadowForm};
 use super::svg::{Drawing, Layer, Profile};
@@ -79,7 +82,7 @@ impl Placement {
 /// The drawing of a view, its strokes in order.
 #[must_use]
 pub fn drawing(maps: &Maps, style: &PaperStyle, view: &View) -> (Drawing, Order) {
-    let mut drawing = traced(maps, style, view);
+    let mut drawing = traced(maps, style, view, &quiet);
     let order = sort(&mut drawing, style);
     (drawing, order)
 }
@@ -97,9 +100,9 @@ pub fn sort(drawing: &mut Drawing, style: &PaperStyle) -> Order {
     order
 }
 
-/// The drawing of a view, its strokes as they were found.
+/// The drawing of a view, its strokes as they were found; `tell` is told how far it is.
 #[must_use]
-pub fn traced(maps: &Maps, style: &PaperStyle, view: &View) -> Drawing {
+pub fn traced(maps: &Maps, style: &PaperStyle, view: &View, tell: Tell<'_>) -> Drawing {
     let placement = Placement::new(style, maps.size);
     let visible = Visible::new(maps);
     let mut layers = Vec::new();
@@ -132,23 +135,24 @@ pub fn traced(maps: &Maps, style: &PaperStyle, view: &View) -> Drawing {
                 2,
                 "stem hatch",
                 inks.stem_hatch,
-                stem_hatching(maps, &visible, style, view, &placement),
+                stem_hatching((maps, &visible), style, view, &placement, tell),
             );
         }
     }
     if style.foliage.draw {
         let strokes = match &whole {
             Some([_, lines]) => traced_contour((maps, lines), &shade, style, &placement),
-            None => foliage_contour(maps, &visible, &shade, style, view, &placement),
+            None => foliage_contour((maps, &visible), &shade, style, view, &placement, tell),
         };
         add(3, "foliage contour", inks.foliage, strokes);
     }
     let mut shadow = Vec::new();
     if style.shadow.form == ShadowForm::Hatch {
-        shadow = shade.hatching(&visible.foliage, view, &placement);
+        shadow = shade.hatching(&visible.foliage, view, &placement, tell);
     }
     let mut tiles = Vec::new();
     if style.tiles.strength > 0.0 {
+        tell(Stage::Strokes, 0, 0);
         tiles = tile_hatching(maps, &visible, style, view, &placement);
     }
     let (ground, shadow) = on_ground(maps, style, &placement, shadow);
@@ -200,12 +204,12 @@ impl Visible {
 }
 
 fn foliage_contour(
-    maps: &Maps,
-    visible: &Visible,
+    (maps, visible): (&Maps, &Visible),
     shade: &Shade<'_>,
     style: &PaperStyle,
     view: &View,
     placement: &Placement,
+    tell: Tell<'_>,
 ) -> Vec<Stroke> {
     let primitive: Vec<u32> = maps
         .foliage_number
@@ -222,30 +226,36 @@ fn foliage_contour(
         primitive: &primitive,
         contour: &contour,
     };
-    let outlines = outlines(maps, style, view);
-    let strokes = outlines
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(i, outline)| {
-            let number = i as u32 + 1;
-            let found = lines(&seen, number, outline);
-            let row = f64::from(maps.particles[i].row);
-            let found: Vec<Polyline> = if style.primitive.lower {
-                found.iter().flat_map(|l| below(l, row)).collect()
-            } else {
-                found
-            };
-            let pen = style.foliage.pen;
-            let seen = &seen;
-            let hand = hand_round(outline, &maps.particles[i], (style, view), placement);
-            found.into_iter().map(move |line| Stroke {
-                primitive: Some(number),
-                ..pen.draw_over(&placement.line(&line), &hand, |p| {
-                    let p = placement.pixel(p);
-                    shade.pressure(p) * width(maps, p, |i| seen.primitive[i] == number)
-                })
+    let Ok(views) = polygon::views(&style.primitive) else {
+        return Vec::new();
+    };
+    // What no pixel shows has no line, so that memory and time are those of what is seen.
+    let shown = shown(&primitive, maps.leaves);
+    let count = Count::new(tell, Stage::Outlines, shown.len());
+    let strokes = shown.par_iter().flat_map_iter(|&number| {
+        count.add();
+        let i = number as usize - 1;
+        let deformation = style.primitive.deformation;
+        let outline = &outline(&maps.particles[i], &views, deformation, view);
+        let found = lines(&seen, number, outline);
+        let row = f64::from(maps.particles[i].row);
+        let found: Vec<Polyline> = if style.primitive.lower {
+            found.iter().flat_map(|l| below(l, row)).collect()
+        } else {
+            found
+        };
+        let pen = style.foliage.pen;
+        let seen = &seen;
+        let hand = hand_round(outline, &maps.particles[i], (style, view), placement);
+        let stroke = |line: Polyline| Stroke {
+            primitive: Some(number),
+            ..pen.draw_over(&placement.line(&line), &hand, |p| {
+                let p = placement.pixel(p);
+                shade.pressure(p) * width(maps, p, |i| seen.primitive[i] == number)
             })
-        });
+        };
+        found.into_iter().map(stroke).collect::<Vec<_>>()
+    });
     strokes.collect()
 }
 
@@ -362,6 +372,7 @@ impl<'a> Shade<'a> {
         foliage: &[bool],
         view: &View,
         placement: &Placement,
+        tell: Tell<'_>,
     ) -> Vec<Stroke> {
         let s = &self.style.shadow;
         let darkness: Vec<f32> = foliage
@@ -388,13 +399,18 @@ impl<'a> Shade<'a> {
             vector: self.style.vector,
         };
         let mut out = Vec::new();
-        for (tone, turn) in layers(&darkness, s.crossing) {
+        let tones = layers(&darkness, s.crossing);
+        let count = Count::new(tell, Stage::Strokes, expected(&tones, &settings));
+        for (tone, turn) in tones {
             let tone = Tone {
                 size: self.maps.size,
                 darkness: &tone,
             };
             let way = DVec2::from_angle(turn).rotate(way);
-            let found = placed(&tone, &settings, &surface, |_, _| way);
+            let found = placed(&tone, &settings, &surface, |_, _| {
+                count.add();
+                way
+            });
             let hatched = found.iter().map(|f| hatch(f.from, f.to, &s.pen, placement));
             out.extend(hatched);
         }
@@ -476,11 +492,11 @@ fn stem_contour(
 }
 
 pub(super) fn stem_hatching(
-    maps: &Maps,
-    visible: &Visible,
+    (maps, visible): (&Maps, &Visible),
     style: &PaperStyle,
     view: &View,
     placement: &Placement,
+    tell: Tell<'_>,
 ) -> Vec<Stroke> {
     let s = &style.stem;
     let darkness: Vec<f32> = maps
@@ -513,12 +529,15 @@ pub(super) fn stem_hatching(
     } else {
         0.0
     };
-    for (tone, turn) in layers(&darkness, s.crossing) {
+    let tones = layers(&darkness, s.crossing);
+    let count = Count::new(tell, Stage::Strokes, expected(&tones, &settings));
+    for (tone, turn) in tones {
         let tone = Tone {
             size: maps.size,
             darkness: &tone,
         };
         let found = placed(&tone, &settings, &surface, |x, y| {
+            count.add();
             DVec2::from_angle(turn + along).rotate(across.at(x, y))
         });
         out.extend(

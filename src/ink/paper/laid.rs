@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::drawing::{Placement, Shade, Visible, stem_hatching};
 use super::inks::{Inks, on_ground};
 use super::pen::Stroke;
+use super::progress::{Stage, Tell};
 use super::renderer::Maps;
 use super::style::{PaperStyle, ShadowForm};
 use super::vectors::tile_hatching;
@@ -31,9 +32,15 @@ pub type Inked = ([f32; 3], Vec<Stroke>);
 
 /// The strokes on stems and in shadow, in pixels of the maps; `scale` is a pixel's size in
 /// millimetres. With the sheet's own resolution they are the strokes of the vectors. Those of one
-/// ink are together.
+/// ink are together. `tell` is told how far it is.
 #[must_use]
-pub fn strokes_of(maps: &Maps, style: &PaperStyle, view: &View, scale: f64) -> Vec<Inked> {
+pub fn strokes_of(
+    maps: &Maps,
+    style: &PaperStyle,
+    view: &View,
+    scale: f64,
+    tell: Tell<'_>,
+) -> Vec<Inked> {
     let placement = Placement {
         scale,
         corner: DVec2::ZERO,
@@ -48,16 +55,17 @@ pub fn strokes_of(maps: &Maps, style: &PaperStyle, view: &View, scale: f64) -> V
     if hatches_stems(style) {
         add(
             inks.stem_hatch,
-            stem_hatching(maps, &visible, style, view, &placement),
+            stem_hatching((maps, &visible), style, view, &placement, tell),
         );
     }
     if style.shadow.form == ShadowForm::Hatch {
-        let found = Shade::new(maps, style).hatching(&visible.foliage, view, &placement);
+        let found = Shade::new(maps, style).hatching(&visible.foliage, view, &placement, tell);
         let (ground, plants) = on_ground(maps, style, &placement, found);
         add(inks.shadow, plants);
         add(inks.ground, ground);
     }
     if style.tiles.strength > 0.0 {
+        tell(Stage::Strokes, 0, 0);
         add(
             inks.foliage_hatch,
             tile_hatching(maps, &visible, style, view, &placement),

@@ -26,6 +26,7 @@ pub mod pen;
 pub mod polygon;
 pub mod polygon_file;
 pub mod presets;
+pub mod progress;
 pub mod region;
 pub mod renderer;
 mod silhouette;

@@ -66,6 +66,18 @@ pub fn lines(seen: &Seen<'_>, number: u32, outline: &[DVec2]) -> Vec<Polyline> {
     runs_of(&points, &drawn, true)
 }
 
+/// Numbers of the leaves that pixels show, from the lowest.
+pub(super) fn shown(numbers: &[u32], leaves: usize) -> Vec<u32> {
+    let mut seen = vec![false; leaves + 1];
+    for &number in numbers {
+        // Of the ground only the shadow is drawn.
+        if let Some(seen) = seen.get_mut(number as usize) {
+            *seen = true;
+        }
+    }
+    (1..=leaves as u32).filter(|&n| seen[n as usize]).collect()
+}
+
 /// Points `STEP` apart round the outline.
 fn followed(outline: &[DVec2]) -> Vec<DVec2> {
     let count = outline.len();

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::curve::{Curve, Piece, Polyline};
 use super::fit::{FitSettings, fit};
 use super::pen::{Stroke, filled};
+use super::progress::{Count, Stage, Tell, quiet};
 
 /// How lines are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -85,13 +86,26 @@ impl Drawing {
     /// Its lines as curves, in the way of a profile.
     #[must_use]
     pub fn fitted(&self, profile: Profile, curves: &FitSettings) -> Fitted<'_> {
+        self.fitted_told(profile, curves, &quiet)
+    }
+
+    /// As [`Drawing::fitted`]; `tell` is told how far it is.
+    #[must_use]
+    pub fn fitted_told(
+        &self,
+        profile: Profile,
+        curves: &FitSettings,
+        tell: Tell<'_>,
+    ) -> Fitted<'_> {
+        let strokes = self.layers.iter().map(|l| l.strokes.len()).sum();
+        let count = Count::new(tell, Stage::Curves, strokes);
         Fitted {
             drawing: self,
             profile,
             layers: self
                 .layers
                 .iter()
-                .map(|l| l.fitted(profile, curves))
+                .map(|l| l.fitted(profile, curves, &count))
                 .collect(),
         }
     }
@@ -154,9 +168,10 @@ impl Fitted<'_> {
 }
 
 impl Layer {
-    fn fitted(&self, profile: Profile, curves: &FitSettings) -> FittedLayer {
+    fn fitted(&self, profile: Profile, curves: &FitSettings, count: &Count<'_>) -> FittedLayer {
         let width = median(self.strokes.iter().flat_map(|s| s.widths.iter().copied()));
         let lines = self.strokes.par_iter().flat_map_iter(|stroke| {
+            count.add();
             let own = stroke.widths.iter().sum::<f64>() / stroke.widths.len().max(1) as f64;
             let other = (own - width).abs() > 1e-3;
             let fills = profile == Profile::Print && (other || !stroke.is_even());
