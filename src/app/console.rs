@@ -107,14 +107,15 @@ pub fn part(name: &str, done: u64, all: u64) {
     };
     // Another step, another kind of line; what stays is only moved on.
     if bar.message() != name || bar.length() != (all > 0).then_some(all) {
-        let template = if all == 0 { LINE_OF_WORK } else { BAR };
-        bar.set_style(ProgressStyle::with_template(template).expect("a valid template"));
-        bar.set_message(name.to_owned());
+        bar.set_position(0);
         if all > 0 {
             bar.set_length(all);
         } else {
             bar.unset_length();
         }
+        bar.set_message(name.to_owned());
+        let template = if all == 0 { LINE_OF_WORK } else { BAR };
+        bar.set_style(ProgressStyle::with_template(template).expect("a valid template"));
     }
     // Estimates may be too low.
     bar.set_position(if all > 0 { done.min(all) } else { done });

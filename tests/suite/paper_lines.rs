@@ -87,8 +87,20 @@ fn lines_of_the_whole_bitmap_lie_on_the_analytic_outlines() {
 
 #[test]
 fn outlines_are_not_cut_into_pieces() {
-    let style =
-        style("[primitive]\nsize = 0.45\n[foliage]\nthreshold = 500.0\n[stem]\ndraw = false\n");
+    in_one_piece("");
+}
+
+#[test]
+fn outlines_go_on_over_gaps_of_a_pixel() {
+    // Every fortieth column has no lines of its own: an outline has a gap where it crosses one.
+    in_one_piece("threshold_by = \"if(fract(8 * x) < 0.025, 60000, 1)\"\n");
+}
+
+/// Strokes against the arcs that are seen, and how many are shorter than three pixels (M10).
+fn in_one_piece(foliage: &str) {
+    let style = style(&format!(
+        "[primitive]\nsize = 0.45\n[foliage]\nthreshold = 500.0\n{foliage}[stem]\ndraw = false\n"
+    ));
     let particles = scattered(80);
     let maps = maps(&particles, &style);
     let (found, _) = drawing(&maps, &style, &view());
