@@ -2,7 +2,7 @@
 //! primitives against analytic outlines, strokes of hatching tiles against the tile's texels.
 
 use glam::{DVec2, DVec3, Vec3};
-use umbrage::abi::InkCluster;
+use umbrage::abi::{INK_TILE, InkCluster};
 use umbrage::ink::clusters::Cluster;
 use umbrage::ink::motion::Course;
 use umbrage::ink::paper::clutter::clutter;
@@ -253,10 +253,14 @@ fn strokes_of_tiles_are_the_texels_of_the_picture_in_real_time() {
                     return 0.0;
                 };
                 let p = DVec2::new((i % SIZE) as f64 + 0.5, (i / SIZE) as f64 + 0.5);
-                // The picture in real time, at the level that strokes are taken from.
+                // The picture in real time, at the octave and level that strokes are taken from.
                 let cluster = &patch.clusters[k];
-                let (place, _) = hatch(cluster, p, f64::from(cluster.front), (0.0, 0.0)).unwrap();
-                let level = f64::from(Laid::new(cluster, texel).unwrap().level);
+                let (place, own) = hatch(cluster, p, f64::from(cluster.front), (0.0, 0.0)).unwrap();
+                let laid = Laid::new(cluster, texel).unwrap();
+                let texels = laid.linear.determinant().abs().sqrt() * f64::from(INK_TILE);
+                let repeated = (own - texels.log2()).round();
+                let place = place * (f64::from(laid.octave) - repeated).exp2();
+                let level = f64::from(laid.level);
                 ink_of_tile(&tile.levels, place, level, f64::from(patch.darkness[i]))
             })
             .collect();
