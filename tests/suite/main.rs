@@ -59,6 +59,7 @@ mod paper_frames;
 mod paper_inks;
 mod paper_limits;
 mod paper_lines;
+mod paper_measures;
 mod paper_modulation;
 mod paper_polygons;
 mod paper_round;

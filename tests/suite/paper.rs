@@ -21,7 +21,7 @@ pub(crate) fn style(more: &str) -> PaperStyle {
     PaperStyle::parse(&text).unwrap()
 }
 
-fn particle(at: Vec3, seed: u32) -> Particle {
+pub(crate) fn particle(at: Vec3, seed: u32) -> Particle {
     Particle {
         centre: at,
         normal: Vec3::Z,
