@@ -1,10 +1,9 @@
 //! A model read, flattened and split: what every command on foliage starts from.
 
-use std::path::PathBuf;
-
 use super::Context;
 use super::bake::bake;
 use super::cli::chosen::{Chosen, SettingTable};
+use super::cli::commands::ModelArgs;
 use super::input::{Input, Source};
 use super::settings::{foliage_pattern, foliage_settings};
 use super::timing::Timings;
@@ -26,26 +25,26 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Reads and flattens `source`; `pattern` says what is foliage.
+    /// Reads and flattens `source`; `model` names its textures and says what is foliage.
     ///
     /// # Errors
     /// Wrong input, or settings outside their range.
     pub fn new<T: SettingTable>(
         source: &Source,
-        textures: &[(String, PathBuf)],
-        pattern: Option<&str>,
+        model: &ModelArgs,
         chosen: &Chosen<T>,
         timings: &mut Timings,
     ) -> Result<Self> {
         // What is wrong on the command line is told before a large file is read.
         foliage_settings(None, chosen)?;
-        let input = timings.measure("read", || Input::load(source, textures))?;
+        let input = timings.measure("read", || Input::load(source, &model.textures))?;
         let settings = foliage_settings(input.scene.as_ref(), chosen)?;
         let geometry = timings.measure("flatten", || Geometry::flatten(&input.model));
         for warning in &geometry.warnings {
             log::warn!("{}: {warning}", input.model.name);
         }
-        let pattern = foliage_pattern(input.scene.as_ref(), pattern).map(str::to_owned);
+        let pattern =
+            foliage_pattern(input.scene.as_ref(), model.foliage.as_deref()).map(str::to_owned);
         Ok(Self {
             input,
             geometry,

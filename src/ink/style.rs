@@ -367,6 +367,20 @@ pub const PRESETS: [(&str, &str); 14] = [
     ("watercolour", include_str!("presets/watercolour.toml")),
 ];
 
+/// Whether the version of a file of styles is the one that this program reads (`known`).
+///
+/// # Errors
+/// It is not.
+pub(super) fn known_version(version: u32, known: u32) -> std::result::Result<(), String> {
+    if version == known {
+        Ok(())
+    } else {
+        Err(format!(
+            "format_version {version}: this program reads {known}"
+        ))
+    }
+}
+
 impl Style {
     /// A built-in style by its name, or a file (its name ends in `.toml`).
     ///
@@ -401,12 +415,7 @@ impl Style {
     /// What is wrong, and where.
     pub fn parse(text: &str) -> std::result::Result<Self, String> {
         let style: Self = toml::from_str(text).map_err(|e| e.to_string())?;
-        if style.format_version != FORMAT_VERSION {
-            return Err(format!(
-                "format_version {}: this program reads {FORMAT_VERSION}",
-                style.format_version
-            ));
-        }
+        known_version(style.format_version, FORMAT_VERSION)?;
         style.check()?;
         Ok(style)
     }

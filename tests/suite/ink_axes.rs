@@ -176,7 +176,7 @@ fn every_number_of_a_style_is_swept_or_has_nothing_between() {
 /// Sweeps in 100 steps. Those alone whose names begin with one of the words of `UMBRAGE_AXES`, if
 /// it is set.
 #[test]
-#[ignore = "half an hour: every axis and five ways in 100 steps; prints what docs/ink.md has"]
+#[ignore = "six minutes on two cores: 60 axes and five ways in 100 steps; prints what docs/ink.md has"]
 fn every_axis_in_100_steps() {
     // The layer sees the same passes in the short tests.
     let gpu = Gpu::new(&GpuOptions::default()).unwrap();

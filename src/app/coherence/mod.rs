@@ -161,11 +161,9 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
         return Err(Error::usage(format!("style `{named}`: does not hatch")));
     }
     let mut stages = Timings::default();
-    let model = &args.input.model;
     let prepared = Prepared::new(
         &args.input.input,
-        &model.textures,
-        model.foliage.as_deref(),
+        &args.input.model,
         &args.settings,
         &mut stages,
     )?;

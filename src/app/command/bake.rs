@@ -42,13 +42,7 @@ pub fn run(context: &Context, args: &BakeArgs) -> Result<Report> {
         None
     };
     let model = &args.input.model;
-    let prepared = Prepared::new(
-        &args.input.input,
-        &model.textures,
-        model.foliage.as_deref(),
-        &args.settings,
-        &mut timings,
-    )?;
+    let prepared = Prepared::new(&args.input.input, model, &args.settings, &mut timings)?;
     let files = match one_file {
         Some(file) => vec![file],
         None => files_of_plants(&prepared, &args.output)?,

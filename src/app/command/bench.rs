@@ -29,11 +29,9 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
         BenchWhat::Bake | BenchWhat::Render => {}
     }
     let mut stages = Timings::default();
-    let model = &args.input.model;
     let prepared = Prepared::new(
         &args.input.input,
-        &model.textures,
-        model.foliage.as_deref(),
+        &args.input.model,
         &args.settings,
         &mut stages,
     )?;

@@ -75,11 +75,9 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
         .map(|name| Ok((name.clone(), Mix::named(name)?)))
         .collect::<Result<Vec<_>>>()?;
     let mut stages = Timings::default();
-    let model = &args.input.model;
     let prepared = Prepared::new(
         &args.input.input,
-        &model.textures,
-        model.foliage.as_deref(),
+        &args.input.model,
         &args.settings,
         &mut stages,
     )?;

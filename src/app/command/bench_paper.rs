@@ -48,8 +48,7 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
             .ok_or_else(|| Error::usage(format!("--style {named}: is no style on paper")))?;
         let prepared = Prepared::new(
             &args.input.input,
-            &model.textures,
-            model.foliage.as_deref(),
+            model,
             &args.settings,
             &mut Timings::default(),
         )?;

@@ -36,11 +36,9 @@ pub(super) fn run(context: &Context, args: &DifferArgs) -> Result<Report> {
     })?;
     let gpu = context.gpu()?;
     let mut timings = Timings::default();
-    let model = &args.input.model;
     let prepared = Prepared::new(
         &args.input.input,
-        &model.textures,
-        model.foliage.as_deref(),
+        &args.input.model,
         &args.settings,
         &mut timings,
     )?;

@@ -84,8 +84,7 @@ fn frames(context: &Context, args: &RenderArgs, animation: Animation) -> Result<
     };
     let mut timings = Timings::default();
     let view = args.view;
-    let (pattern, textures) = (args.model.foliage.as_deref(), &args.model.textures);
-    let prepared = Prepared::new(source, textures, pattern, &args.settings, &mut timings)?;
+    let prepared = Prepared::new(source, &args.model, &args.settings, &mut timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let path = animation.path(&prepared.geometry, &settings)?;
     let baked = if view.needs_bake() {
@@ -154,9 +153,7 @@ fn draw(
     views: &[View],
     timings: &mut Timings,
 ) -> Result<Drawn> {
-    let pattern = args.model.foliage.as_deref();
-    let textures = &args.model.textures;
-    let prepared = Prepared::new(source, textures, pattern, &args.settings, timings)?;
+    let prepared = Prepared::new(source, &args.model, &args.settings, timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let baked = if views.iter().any(|v| v.needs_bake()) {
         Some(prepared.bake(context, timings)?.bake)

@@ -52,9 +52,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
         }
     }
     let mut timings = Timings::default();
-    let pattern = args.model.foliage.as_deref();
-    let textures = &args.model.textures;
-    let prepared = Prepared::new(source, textures, pattern, &args.settings, &mut timings)?;
+    let prepared = Prepared::new(source, &args.model, &args.settings, &mut timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let plan = MixPlan::new(&mix);
     let split = if mix.styles[0].bodies.smooth {

@@ -49,9 +49,7 @@ pub(super) fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     check_apart(&args.output, source.files(&args.model.textures))?;
     let output = PendingFile::create(&args.output)?;
     let mut timings = Timings::default();
-    let pattern = args.model.foliage.as_deref();
-    let textures = &args.model.textures;
-    let prepared = Prepared::new(source, textures, pattern, &args.settings, &mut timings)?;
+    let prepared = Prepared::new(source, &args.model, &args.settings, &mut timings)?;
     // Without leaves there is nothing to bake; styles for leaves will say so.
     let leafy = !prepared.split_with_or_without()?.foliage_indices.is_empty();
     let baked = if leafy && styles.iter().any(|s| InkPlan::new(&s.1).crown) {

@@ -66,14 +66,7 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
         None => Some(PendingFile::create(&args.output)?),
     };
     let mut timings = Timings::default();
-    let pattern = args.model.foliage.as_deref();
-    let prepared = Prepared::new(
-        source,
-        &args.model.textures,
-        pattern,
-        &args.settings,
-        &mut timings,
-    )?;
+    let prepared = Prepared::new(source, &args.model, &args.settings, &mut timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let subject = subject(prepared, &style, &mut timings)?;
     if let Some(animation) = animation {

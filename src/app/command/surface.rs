@@ -21,13 +21,7 @@ pub fn run(context: &Context, args: &SurfaceArgs) -> Result<Report> {
     check_apart(&args.output, args.input.input.files(&model.textures))?;
     let output = PendingFile::create(&args.output)?;
     let mut timings = Timings::default();
-    let prepared = Prepared::new(
-        &args.input.input,
-        &model.textures,
-        model.foliage.as_deref(),
-        &args.settings,
-        &mut timings,
-    )?;
+    let prepared = Prepared::new(&args.input.input, model, &args.settings, &mut timings)?;
     let split = timings.measure("split", || prepared.split())?;
     let gpu = context.gpu()?;
     let working = console::working("finding the surface");

@@ -26,7 +26,7 @@ use regex::{Regex, RegexBuilder};
 use serde::Deserialize;
 
 use super::rule::{Mask, Mix, Part, Span};
-use crate::ink::style::{FORMAT_VERSION, PRESETS, Style};
+use crate::ink::style::{FORMAT_VERSION, PRESETS, Style, known_version};
 use crate::scene::{ImageSource, textures};
 use crate::{Error, Result};
 
@@ -116,12 +116,7 @@ impl Mix {
     /// What is wrong, and where.
     pub fn parse(text: &str, folder: &Path) -> std::result::Result<Self, String> {
         let file: MixFile = toml::from_str(text).map_err(|e| e.to_string())?;
-        if file.format_version != FORMAT_VERSION {
-            return Err(format!(
-                "format_version {}: this program reads {FORMAT_VERSION}",
-                file.format_version
-            ));
-        }
+        known_version(file.format_version, FORMAT_VERSION)?;
         let style = |name: &str| style(name, &file.styles, folder);
         let mut mix = Self {
             styles: vec![style(&file.default)?],

@@ -11,6 +11,7 @@ pub use super::sizes::paper_size;
 use super::svg::Profile;
 use super::tiles::Tiles;
 use super::vectors::Vectors;
+use crate::ink::style::known_version;
 use crate::{Error, Result};
 
 /// Version of style files.
@@ -426,12 +427,7 @@ impl PaperStyle {
     /// Itself, if its version is known and its numbers are in range.
     fn checked(self) -> std::result::Result<Self, String> {
         let style = self;
-        if style.format_version != FORMAT_VERSION {
-            return Err(format!(
-                "format_version {}: this program reads {FORMAT_VERSION}",
-                style.format_version
-            ));
-        }
+        known_version(style.format_version, FORMAT_VERSION)?;
         style.check()?;
         Ok(style)
     }
