@@ -36,8 +36,6 @@ use crate::{Error, Result};
 
 /// Files that drawings are written as.
 const ENDINGS: [&str; 5] = ["svg", "pdf", "png", "jpg", "jpeg"];
-/// Turns sharper than this stay corners in curves, radians.
-const CORNER: f64 = 1.2;
 
 /// What is drawn, ready for the device.
 pub(super) struct Subject {
@@ -316,10 +314,7 @@ impl<'a> Board<'a> {
         let mut found = timings.measure("trace", || traced(&maps, style, view, tell(frame)));
         let order = timings.measure("sort", || sort(&mut found, style));
         found.metadata = metadata(style, view, frame)?;
-        let curves = FitSettings {
-            tolerance: style.sheet.tolerance,
-            corner: CORNER,
-        };
+        let curves = FitSettings::within(style.sheet.tolerance);
         let fitted = timings.measure("fit", || {
             found.fitted_told(style.sheet.profile, &curves, tell(frame))
         });

@@ -10,7 +10,7 @@ use super::curve::{Curve, Polyline};
 use super::diffusion::{DiffusionSettings, Tone};
 use super::fit::{FitSettings, fit};
 use super::inks::{Inks, Part, bytes, on_ground};
-use super::order::{joined, pen_up, sorted, without_repeats};
+use super::order::{ordered, pen_up};
 use super::outline::{Seen, lines, shown};
 use super::particles::outline;
 use super::pen::{Pen, Stroke};
@@ -92,7 +92,7 @@ pub fn sort(drawing: &mut Drawing, style: &PaperStyle) -> Order {
     let mut order = Order::default();
     if style.sheet.profile == Profile::Plotter {
         for layer in &mut drawing.layers {
-            let (strokes, pen_up) = plotted(std::mem::take(&mut layer.strokes));
+            let (strokes, pen_up) = plotted(std::mem::take(&mut layer.strokes), style);
             layer.strokes = strokes;
             order.pen_up = [order.pen_up[0] + pen_up[0], order.pen_up[1] + pen_up[1]];
         }
@@ -356,10 +356,7 @@ impl<'a> Shade<'a> {
             let one = |l| s.pen.draw(&placement.line(l), 0, |_| 1.0);
             (lines.iter().map(one).collect(), Vec::new())
         } else {
-            let curves = FitSettings {
-                tolerance: self.style.sheet.tolerance,
-                corner: 1.2,
-            };
+            let curves = FitSettings::within(self.style.sheet.tolerance);
             let areas = region::outlines(size, &dark, SPECK);
             let one = |l| fit(&placement.line(l), &curves);
             (Vec::new(), areas.par_iter().map(one).collect())
@@ -561,13 +558,13 @@ fn hatch(from: DVec2, to: DVec2, pen: &Pen, placement: &Placement) -> Stroke {
 
 /// Strokes in the order of a plotter: nothing twice, sorted, joined. Also the way with the pen up
 /// before and after.
-fn plotted(strokes: Vec<Stroke>) -> (Vec<Stroke>, [f64; 2]) {
+fn plotted(strokes: Vec<Stroke>, style: &PaperStyle) -> (Vec<Stroke>, [f64; 2]) {
     let width = strokes
         .first()
         .map_or(0.3, |s| s.widths.iter().copied().fold(0.0, f64::max));
     let lines: Vec<Polyline> = strokes.into_iter().map(|s| s.line).collect();
     let before = pen_up(&lines, DVec2::ZERO);
-    let lines = joined(sorted(without_repeats(&lines, GAP), DVec2::ZERO), GAP);
+    let lines = ordered(&lines, GAP, &FitSettings::within(style.sheet.tolerance));
     let after = pen_up(&lines, DVec2::ZERO);
     let stroke = |line: Polyline| Stroke {
         widths: vec![width; line.points.len()],

@@ -15,6 +15,17 @@ pub struct FitSettings {
     pub corner: f64,
 }
 
+impl FitSettings {
+    /// As drawings are written, within `tolerance` millimetres.
+    #[must_use]
+    pub const fn within(tolerance: f64) -> Self {
+        Self {
+            tolerance,
+            corner: 1.2,
+        }
+    }
+}
+
 /// Newton steps before a piece is split.
 const STEPS: u32 = 6;
 

@@ -4,8 +4,10 @@
 use std::collections::HashMap;
 
 use glam::{DVec2, IVec2};
+use rayon::prelude::*;
 
 use super::curve::Polyline;
+use super::fit::{FitSettings, distance_to_segment, fit};
 
 /// Points in square cells.
 struct Grid {
@@ -179,30 +181,54 @@ pub fn pen_up(lines: &[Polyline], start: DVec2) -> f64 {
     sum
 }
 
-/// Lines without what an earlier one draws already: pieces that run along one for more than two
-/// `gap`s, nearer than `gap` and in its direction.
+/// Lines as a plotter draws them: nothing twice, sorted, joined where ends are at most `gap` apart.
+/// What counts is the curves that are written: where they come nearer to each other than the lines
+/// that they stand for, what lies along another goes too.
+#[must_use]
+pub fn ordered(lines: &[Polyline], gap: f64, curves: &FitSettings) -> Vec<Polyline> {
+    let mut lines = joined(sorted(without_repeats(lines, gap), DVec2::ZERO), gap);
+    for _ in 0..ROUNDS {
+        let written: Vec<Polyline> = lines
+            .par_iter()
+            .map(|l| fit(l, curves).flattened(0.25 * gap))
+            .collect();
+        let kept = kept(&written, gap);
+        if kept.iter().all(Option::is_none) {
+            break;
+        }
+        let pieces = lines.into_iter().zip(kept);
+        let once = pieces.flat_map(|(line, pieces)| pieces.unwrap_or_else(|| vec![line]));
+        lines = joined(sorted(once.collect(), DVec2::ZERO), gap);
+    }
+    lines
+}
+
+/// Rounds in which curves are held against each other at most; the second hardly ever finds any.
+const ROUNDS: u32 = 6;
+
+/// Lines without what is drawn already, by an earlier one or by themselves: pieces that run along it
+/// for more than two `gap`s, nearer than `gap` and in its direction.
 #[must_use]
 pub fn without_repeats(lines: &[Polyline], gap: f64) -> Vec<Polyline> {
-    let mut drawn = Drawn {
-        gap,
-        cells: HashMap::new(),
+    let whole = |(line, pieces): (&Polyline, Option<Vec<Polyline>>)| {
+        pieces.unwrap_or_else(|| vec![line.clone()])
     };
-    let mut out = Vec::new();
-    for line in lines {
-        let points = resampled(line, 0.5 * gap);
+    lines.iter().zip(kept(lines, gap)).flat_map(whole).collect()
+}
+
+/// What is kept of each line; none: all of it.
+fn kept(lines: &[Polyline], gap: f64) -> Vec<Option<Vec<Polyline>>> {
+    let mut drawn = Drawn::new(gap);
+    let one = |line: &Polyline| {
+        let points = resampled(line, drawn.step());
         if points.len() < 2 {
-            out.push(line.clone());
-            continue;
+            return None;
         }
-        let repeats = drawn.repeats(&points, line.closed);
-        if repeats.iter().any(|&r| r) {
-            out.extend(kept_pieces(&points, &repeats, line.closed));
-        } else {
-            out.push(line.clone());
-        }
-        drawn.add(&points);
-    }
-    out
+        let repeats = drawn.draw(&points, line.closed);
+        let any = repeats.iter().any(|&r| r);
+        any.then(|| kept_pieces(&points, &repeats, line.closed))
+    };
+    lines.iter().map(one).collect()
 }
 
 /// Points about `step` apart along the whole line; of a ring the first comes again.
@@ -217,57 +243,96 @@ fn resampled(line: &Polyline, step: f64) -> Vec<DVec2> {
     out
 }
 
-/// What is drawn: places and directions in cells of `gap`.
+/// Shorter runs of points along what is drawn are crossings and touches, longer ones repeats.
+const TOUCH: usize = 5;
+/// So many points behind the pen are not what a line may repeat of itself.
+const BEHIND: usize = 8;
+
+/// What is drawn: short segments, by the cells that they start in.
 struct Drawn {
     gap: f64,
-    cells: HashMap<IVec2, Vec<(DVec2, DVec2)>>,
+    cells: HashMap<IVec2, Vec<[DVec2; 2]>>,
 }
 
 impl Drawn {
-    fn key(&self, p: DVec2) -> IVec2 {
-        (p / self.gap).floor().as_ivec2()
+    fn new(gap: f64) -> Self {
+        Self {
+            gap,
+            cells: HashMap::new(),
+        }
     }
 
-    fn add(&mut self, points: &[DVec2]) {
-        for (i, &p) in points.iter().enumerate() {
-            let key = self.key(p);
-            let way = direction(points, i);
-            self.cells.entry(key).or_default().push((p, way));
-        }
+    /// Distance of the points in which lines are looked at.
+    fn step(&self) -> f64 {
+        0.5 * self.gap
+    }
+
+    /// Cells are so large that what is within the gap starts in a neighbour.
+    fn key(&self, p: DVec2) -> IVec2 {
+        (p / (self.gap + self.step())).floor().as_ivec2()
+    }
+
+    fn add(&mut self, segment: [DVec2; 2]) {
+        let key = self.key(segment[0]);
+        self.cells.entry(key).or_default().push(segment);
     }
 
     fn covers(&self, p: DVec2, way: DVec2) -> bool {
         let middle = self.key(p);
+        let near = |&[a, b]: &[DVec2; 2]| {
+            let other = (b - a).normalize_or_zero();
+            other.dot(way).abs() > 0.97 && distance_to_segment(p, a, b) < self.gap
+        };
         (0..9).any(|k| {
             let cell = middle + IVec2::new(k % 3 - 1, k / 3 - 1);
-            self.cells.get(&cell).is_some_and(|list| {
-                let near = |&(q, other): &(DVec2, DVec2)| {
-                    q.distance_squared(p) < self.gap * self.gap && other.dot(way).abs() > 0.97
-                };
-                list.iter().any(near)
-            })
+            let list = self.cells.get(&cell);
+            list.is_some_and(|list| list.iter().any(near))
         })
     }
 
-    /// Which points lie on runs that were drawn before.
-    fn repeats(&self, points: &[DVec2], closed: bool) -> Vec<bool> {
+    /// Draws a line but for the points that lie on runs that were drawn before, and tells which
+    /// these are.
+    fn draw(&mut self, points: &[DVec2], closed: bool) -> Vec<bool> {
         let count = points.len();
-        let mut out: Vec<bool> = (0..count)
-            .map(|i| self.covers(points[i], direction(points, i)))
-            .collect();
-        // Crossings and touches are no repeats.
-        let least = 5;
-        let mut at = 0;
-        while at < count {
-            let end = (at..count).find(|&i| out[i] != out[at]).unwrap_or(count);
-            let whole = at == 0 && end == count;
-            let at_seam = closed && (at == 0 || end == count);
-            if out[at] && end - at < least && !whole && !at_seam {
-                out[at..end].fill(false);
+        // A ring's end is just behind its start.
+        let first = if closed { BEHIND } else { 0 };
+        let mut repeats: Vec<bool> = Vec::with_capacity(count);
+        let mut added = vec![false; count];
+        for i in 0..count {
+            if let Some(k) = i.checked_sub(BEHIND)
+                && k >= first
+                && !repeats[k]
+                && !repeats[k + 1]
+            {
+                self.add([points[k], points[k + 1]]);
+                added[k] = true;
             }
-            at = end;
+            repeats.push(self.covers(points[i], direction(points, i)));
         }
-        out
+        without_touches(&mut repeats, closed);
+        for k in 0..count - 1 {
+            if !added[k] && !repeats[k] && !repeats[k + 1] {
+                self.add([points[k], points[k + 1]]);
+            }
+        }
+        repeats
+    }
+}
+
+/// Runs that are too short for repeats are none, unless they are all there is.
+fn without_touches(repeats: &mut [bool], closed: bool) {
+    let count = repeats.len();
+    let mut at = 0;
+    while at < count {
+        let end = (at..count)
+            .find(|&i| repeats[i] != repeats[at])
+            .unwrap_or(count);
+        let whole = at == 0 && end == count;
+        let at_seam = closed && (at == 0 || end == count);
+        if repeats[at] && end - at < TOUCH && !whole && !at_seam {
+            repeats[at..end].fill(false);
+        }
+        at = end;
     }
 }
 
@@ -276,7 +341,7 @@ fn direction(points: &[DVec2], i: usize) -> DVec2 {
     (points[b] - points[a]).normalize_or_zero()
 }
 
-/// Runs of points that are no repeats.
+/// Runs of points that are no repeats; what is left between them is specks where it is short.
 fn kept_pieces(points: &[DVec2], repeats: &[bool], closed: bool) -> Vec<Polyline> {
     let mut pieces: Vec<Polyline> = Vec::new();
     let mut run: Vec<DVec2> = Vec::new();
@@ -305,6 +370,7 @@ fn kept_pieces(points: &[DVec2], repeats: &[bool], closed: bool) -> Vec<Polyline
             closed: false,
         });
     }
+    pieces.retain(|p| p.points.len() >= TOUCH);
     pieces
 }
 
@@ -383,5 +449,108 @@ mod tests {
         let total: f64 = out.iter().map(Polyline::length).sum();
         assert!((total - 20.0).abs() < 0.4, "{total}: {out:?}");
         assert!(out.contains(&lines[2]), "a crossing is whole");
+    }
+
+    /// Longest way, in points `step` apart, that lines run along each other or along themselves.
+    fn doubled(lines: &[Polyline], gap: f64, step: f64) -> f64 {
+        let all: Vec<Vec<DVec2>> = lines.iter().map(|l| resampled(l, step)).collect();
+        let mut most = 0;
+        for (k, line) in all.iter().enumerate() {
+            let mut run = 0;
+            for (i, &p) in line.iter().enumerate() {
+                let way = direction(line, i);
+                let along = |a: DVec2, b: DVec2| {
+                    let other = (b - a).normalize_or_zero();
+                    other.perp_dot(way).abs() < 0.05 && distance_to_segment(p, a, b) < gap
+                };
+                // Strokes of other places do not meet.
+                let near = |j: &usize| all[*j][0].distance(line[0]) < 8.0;
+                let repeats = (0..=k).filter(near).any(|j| {
+                    let before = if j == k {
+                        i.saturating_sub(40)
+                    } else {
+                        all[j].len()
+                    };
+                    all[j][..before].windows(2).any(|s| along(s[0], s[1]))
+                });
+                run = if repeats { run + 1 } else { 0 };
+                most = most.max(run);
+            }
+        }
+        f64::from(most) * step
+    }
+
+    #[test]
+    fn curves_that_are_written_run_along_none_that_is_there() {
+        let curves = FitSettings::within(0.05);
+        // Strokes and their neighbours: a little aside, moved along, turned and bent another way.
+        let mut lines = Vec::new();
+        for k in 0..60 {
+            let (row, t) = (f64::from(k), f64::from(k) / 60.0);
+            let foot = DVec2::new(24.0 * (row % 6.0), 12.0 * (row / 6.0).floor());
+            let arc = |along: f64, aside: f64, turn: f64, sag: f64| Polyline {
+                points: (0..=12)
+                    .map(|i| {
+                        let s = f64::from(i) / 12.0;
+                        let p = DVec2::new(6.0 * s + along, aside + sag * s * (1.0 - s));
+                        foot + DVec2::from_angle(turn).rotate(p)
+                    })
+                    .collect(),
+                closed: false,
+            };
+            lines.push(arc(0.0, 0.0, 0.1, 0.6));
+            lines.push(arc(
+                4.0 * t,
+                0.02 + 0.16 * t,
+                0.1 + 0.08 * (0.5 - t),
+                0.6 - 0.5 * t,
+            ));
+        }
+        let written = |lines: &[Polyline]| -> Vec<Polyline> {
+            let one = |l: &Polyline| fit(l, &curves).flattened(0.02);
+            lines.iter().map(one).collect()
+        };
+        assert!(doubled(&written(&lines), 0.1, 0.04) > 2.0);
+        let out = ordered(&lines, 0.1, &curves);
+        let left = doubled(&written(&out), 0.099, 0.04);
+        assert!(left < 0.3, "{left} mm twice");
+        // No more went than lies along another.
+        let [all, kept] = [&lines, &out].map(|l| l.iter().map(Polyline::length).sum::<f64>());
+        assert!(kept > 0.6 * all && kept < 0.9 * all, "{kept} of {all}");
+    }
+
+    #[test]
+    fn a_line_that_comes_back_along_itself_goes_one_way() {
+        let back = Polyline {
+            points: [[0.0, 0.0], [10.0, 0.0], [10.0, 0.05], [0.0, 0.05]]
+                .map(DVec2::from)
+                .to_vec(),
+            closed: false,
+        };
+        let ring = Polyline {
+            closed: true,
+            ..back.clone()
+        };
+        for line in [back, ring] {
+            let out = without_repeats(&[line], 0.1);
+            let total: f64 = out.iter().map(Polyline::length).sum();
+            assert!((total - 10.0).abs() < 0.6, "{total}: {out:?}");
+        }
+        let round: Vec<DVec2> = (0..40)
+            .map(|k| DVec2::from_angle(f64::from(k) * std::f64::consts::TAU / 40.0))
+            .collect();
+        let round = [Polyline {
+            points: round,
+            closed: true,
+        }];
+        assert_eq!(without_repeats(&round, 0.1), round, "a ring is whole");
+    }
+
+    #[test]
+    fn what_is_not_drawn_keeps_nothing_away() {
+        // Each would be a repeat of the one before; only every second one is.
+        let lines = [0.0, 0.08, 0.16, 0.24].map(|y| segment([0.0, y], [8.0, y]));
+        let out = without_repeats(&lines, 0.1);
+        assert_eq!(out, [lines[0].clone(), lines[2].clone()]);
     }
 }
