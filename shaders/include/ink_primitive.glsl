@@ -22,7 +22,8 @@ vec2 primitive_point(PaperParticle particle, uint k, uint points, uint views, fl
         p = primitive_view(0u, k, points);
     }
     float angle = 6.28318531 * float(k) / float(points);
-    vec2 wave = cos(vec2(2.0, 3.0) * angle + particle.phase);
+    vec2 turns = vec2(2.0, 3.0) * angle;
+    vec2 wave = cos(turns) * particle.waves.xy - sin(turns) * particle.waves.zw;
     p *= 1.0 + deformation * (0.6 * wave.x + 0.4 * wave.y);
     return vec2(particle.turn.x * p.x - particle.turn.y * p.y, particle.turn.y * p.x + particle.turn.x * p.y);
 }

@@ -4,6 +4,7 @@
 #include "abi.glsl"
 #include "ink_hatch.glsl"
 #include "ink_leaf.glsl"
+#include "ink_raster.glsl"
 #include "random.glsl"
 
 // A leaf: moved towards its cluster's sphere, turned, enlarged, on a square that its shape fits in.
@@ -91,5 +92,5 @@ void main() {
     out_hatch_linear = map.linear;
     out_hatch_middle = map.middle;
     out_hatch_depth = map.depth;
-    gl_Position = frame.relative_to_clip * vec4(position, 1.0);
+    gl_Position = on_raster(to_clip(frame.relative_to_clip, vec4(position, 1.0)), vec2(frame.width, frame.height));
 }

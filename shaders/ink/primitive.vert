@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
+#include "ink_raster.glsl"
 
 // A particle as triangles parallel to the picture: its depth is the same
 // everywhere, so that thresholds do not depend on the place in it.
@@ -32,8 +33,8 @@ void main() {
     if (corner != PAPER_MIDDLE) {
         local = primitive_point(particle, corner, push.points, push.views, push.deformation);
     }
-    vec3 position = particle.centre + particle.radius * (local.x * frame.right + local.y * frame.up);
+    precise vec3 position = particle.centre + particle.radius * (local.x * frame.right + local.y * frame.up);
     // Exact as a float up to 2^24 particles.
     out_depth_number = vec2(dot(particle.centre - frame.eye, frame.forward), float(number + 1u));
-    gl_Position = frame.relative_to_clip * vec4(position, 1.0);
+    gl_Position = on_raster(to_clip(frame.relative_to_clip, vec4(position, 1.0)), vec2(frame.width, frame.height));
 }

@@ -14,9 +14,11 @@ layout(location = 0) out float out_depth;
 layout(location = 1) out vec4 out_normal;
 
 void main() {
-    vec3 n = normalize(in_normal);
+    precise vec3 n = in_normal / sqrt(in_normal.x * in_normal.x + in_normal.y * in_normal.y + in_normal.z * in_normal.z);
     n = gl_FrontFacing ? n : -n;
     out_depth = dot(in_position - frame.eye, frame.forward);
     float light = push.ambient + (1.0 - push.ambient) * max(dot(n, frame.to_sun), 0.0);
-    out_normal = vec4(dot(n, frame.right), dot(n, frame.up), -dot(n, frame.forward), light);
+    vec4 normal = vec4(dot(n, frame.right), dot(n, frame.up), -dot(n, frame.forward), light);
+    // On steps that 16-bit floats have: devices round to those in ways of their own.
+    out_normal = floor(normal * 1024.0 + 0.5) / 1024.0;
 }

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
+#include "ink_raster.glsl"
 
 // A vertex of trunk and branches.
 
@@ -16,5 +17,5 @@ void main() {
     uint vertex = uint(gl_VertexIndex);
     out_position = positions[vertex];
     out_normal = normals[vertex];
-    gl_Position = frame.relative_to_clip * vec4(out_position, 1.0);
+    gl_Position = on_raster(to_clip(frame.relative_to_clip, vec4(out_position, 1.0)), vec2(frame.width, frame.height));
 }

@@ -3,6 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
 #include "ink_leaf.glsl"
+#include "ink_raster.glsl"
 
 // A leaf as the sun sees it: placed as in the picture, with its shape and nothing else.
 
@@ -34,5 +35,5 @@ void main() {
     out_local = local;
     out_shape = leaf.shape;
     out_threshold = style.shape;
-    gl_Position = frame.relative_to_clip * vec4(position, 1.0);
+    gl_Position = on_raster(to_clip(frame.relative_to_clip, vec4(position, 1.0)), vec2(frame.width, frame.height));
 }

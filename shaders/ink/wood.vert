@@ -3,6 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "abi.glsl"
 #include "ink_body.glsl"
+#include "ink_raster.glsl"
 
 // A vertex of whatever is no leaf: wood, or a smooth body.
 
@@ -38,5 +39,5 @@ void main() {
         out_cluster = number + 1u;
         out_hatch = vec4(body_hatch(cluster, out_position, frame.eye, frame.right, frame.up), 0.0, 0.0);
     }
-    gl_Position = frame.relative_to_clip * vec4(out_position, 1.0);
+    gl_Position = on_raster(to_clip(frame.relative_to_clip, vec4(out_position, 1.0)), vec2(frame.width, frame.height));
 }

@@ -91,12 +91,10 @@ abi! {
             turn: [f32; 2],
             /// Tilt of the leaf's normal that chooses among the nine views, -1 to 1.
             tilt: [f32; 2],
-            /// Phases of the deformation, radians.
-            phase: [f32; 2],
+            /// Cosines of the phases of both waves of the deformation, then their sines.
+            waves: [f32; 4],
             /// Row of the middle in the picture, pixels.
             row: f32,
-            /// Nothing.
-            unused: f32,
         }
 
         /// Push constants of primitives.

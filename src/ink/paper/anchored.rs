@@ -171,7 +171,7 @@ pub(super) fn hand_round(
     let length = std::f64::consts::TAU * reach * placement.scale;
     let waves = (length / style.foliage.pen.wavelength).round().max(1.0);
     // What is random of a particle, whatever its number among those that are drawn.
-    let seed = pcg(particle.phase[0].to_bits() ^ pcg(particle.phase[1].to_bits() ^ style.seed));
+    let seed = pcg(particle.waves[0].to_bits() ^ pcg(particle.waves[1].to_bits() ^ style.seed));
     let placement = *placement;
     move |p| {
         let turn = (placement.pixel(p) - middle).to_angle() / std::f64::consts::TAU;

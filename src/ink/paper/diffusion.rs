@@ -4,6 +4,13 @@
 
 use glam::DVec2;
 
+use crate::math::sampling::uniform;
+
+/// Steps of a tone from 0 to 1.
+const STEPS: f64 = 8.0;
+/// Makes other numbers of a seed than those of lengths.
+const SALT: u32 = 0x9e37_79b9;
+
 /// A tone to be carried by strokes.
 #[derive(Debug, Clone, Copy)]
 pub struct Tone<'a> {
@@ -50,7 +57,6 @@ pub fn strokes(
     };
     // What is left to carry in this row and the next.
     let mut rest = [vec![0.0_f64; w + 2], vec![0.0; w + 2]];
-    let mut random = settings.seed;
     let mut out = Vec::new();
     for y in 0..h {
         let forth = y % 2 == 0;
@@ -60,10 +66,12 @@ pub fn strokes(
             if darkness < 0.0 || darkness.is_nan() {
                 continue;
             }
-            let mut error = f64::from(darkness.min(1.0)) + rest[0][x + 1];
+            let place = (y * w + x) as u32;
+            let mut error =
+                stepped(f64::from(darkness.min(1.0)), settings.seed, place) + rest[0][x + 1];
             if error > settings.threshold {
-                random = random.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-                let scatter = 0.75 + 0.5 * f64::from(random >> 8) / 16_777_216.0;
+                // By the place: one stroke more or less leaves the lengths of all others alone.
+                let scatter = 0.75 + 0.5 * uniform(settings.seed, place);
                 let middle = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 let half = 0.5 * settings.length * scatter * direction(x, y);
                 if let Some(stroke) = clipped(tone, middle, half) {
@@ -81,6 +89,13 @@ pub fn strokes(
         rest[1].fill(0.0);
     }
     out
+}
+
+/// A tone on one of few steps, by chance on the one above or below so that its mean remains. What
+/// differs in the last places of a tone, as between devices, would otherwise move every stroke that
+/// comes after it.
+fn stepped(darkness: f64, seed: u32, place: u32) -> f64 {
+    (STEPS * darkness + uniform(seed ^ SALT, place)).floor() / STEPS
 }
 
 /// The stroke about `middle` as far as it stays where drawing is allowed.

@@ -160,15 +160,15 @@ pub fn records(
         // (0, 1) turned is the axis.
         let turn = along.map_or_else(|| DVec2::from_angle(angle()), |a| DVec2::new(a.y, -a.x));
         let tilt = tilt(to_camera(particle.normal), p.views);
-        let phase = [1, 2].map(|k| (std::f64::consts::TAU * uniform(particle.seed, k)) as f32);
+        let waves = [1, 2].map(|k| (std::f64::consts::TAU * uniform(particle.seed, k)).sin_cos());
         PaperParticle {
             centre: particle.centre.to_array(),
             radius: (radius * growth(p.constant_size, p.largest, depth / front)) as f32,
             turn: turn.as_vec2().to_array(),
             tilt: tilt.as_vec2().to_array(),
-            phase,
+            // Here, since devices have cosines of their own.
+            waves: [waves[0].1, waves[1].1, waves[0].0, waves[1].0].map(|v| v as f32),
             row: pixel.y as f32,
-            unused: 0.0,
         }
     };
     particles.par_iter().enumerate().map(record).collect()
@@ -201,7 +201,8 @@ pub fn outline(
     let pixels = f64::from(record.radius) * view.focal() / depth;
     let turn = DVec2::from(record.turn.map(f64::from));
     let tilt = DVec2::from(record.tilt.map(f64::from));
-    let phase = DVec2::from(record.phase.map(f64::from));
+    let [cosine, other_cosine, sine, other_sine] = record.waves.map(f64::from);
+    let phase = DVec2::new(sine.atan2(cosine), other_sine.atan2(other_cosine));
     (0..views[0].len())
         .map(|k| {
             let p = turn.rotate(outline_point(views, k, tilt, deformation, phase));

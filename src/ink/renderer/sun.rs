@@ -115,7 +115,10 @@ impl InkRenderer {
         let Some(shadow) = self.light.as_ref().and_then(|l| l.shadow.as_ref()) else {
             return Ok(());
         };
+        let [width, height] = shadow.map.info().extent;
         let seen = InkFrame {
+            width,
+            height,
             relative_to_clip: sun.relative_to_clip.to_cols_array_2d(),
             forward: (-view.to_sun).to_array(),
             wood: 0.0,
