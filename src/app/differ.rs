@@ -64,14 +64,20 @@ pub fn within(of: &[bool], [width, height]: [u32; 2], reach: usize) -> Vec<bool>
 /// Pixels of the picture that differ by more than [`ALIKE`] steps of 255, of those of `mask`.
 #[must_use]
 pub fn picture(a: &Drawing, b: &Drawing, mask: &[bool]) -> Share {
+    share(&a.pixels, &b.pixels, 8, mask, |a, b| !alike(a, b))
+}
+
+/// Whether two pixels (16-bit floats, linear) are within [`ALIKE`] steps of 255 of each other.
+#[must_use]
+pub fn alike(a: &[u8], b: &[u8]) -> bool {
     let grey = |pixel: &[u8]| -> [u8; 3] {
         [0, 2, 4].map(|k| linear_to_srgb8(f16_to_f32(u16::from_le_bytes([pixel[k], pixel[k + 1]]))))
     };
-    let apart = |a: &[u8], b: &[u8]| {
-        let (a, b) = (grey(a), grey(b));
-        a != b && a.iter().zip(b).any(|(a, b)| a.abs_diff(b) > ALIKE)
-    };
-    share(&a.pixels, &b.pixels, 8, mask, apart)
+    a == b
+        || grey(a)
+            .iter()
+            .zip(grey(b))
+            .all(|(a, b)| a.abs_diff(b) <= ALIKE)
 }
 
 /// Pixels of two images of `texel` bytes that are not the same in every bit, of those of `mask`.

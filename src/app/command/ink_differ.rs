@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::paper_differ;
 use crate::Result;
 use crate::app::cli::ink_strokes::DifferArgs;
 use crate::app::differ::{self, Share};
@@ -12,6 +13,7 @@ use crate::app::timing::Timings;
 use crate::app::{Context, Report, console, drawing};
 use crate::gpu::{Gpu, GpuOptions};
 use crate::ink::mix::Mix;
+use crate::ink::paper::style::PaperStyle;
 use crate::ink::plan::Attribute;
 use crate::ink::renderer::{Drawing, InkRenderer};
 use crate::ink::style::Style;
@@ -23,17 +25,17 @@ const MOST: f64 = 1e-3;
 /// The row that this is about.
 const SAME_ATTRIBUTES: &str = "picture, same attributes";
 
-/// Draws on both devices and compares. The check fails where pictures of the same attributes differ
-/// in more than a thousandth of their pixels.
+/// Draws on both devices and compares. The check fails where pictures of the same attributes, of a
+/// style on paper whole pictures, differ in more than a thousandth of their pixels.
 ///
 /// # Errors
 /// Wrong input or style, a device that is not there or fails.
 pub(super) fn run(context: &Context, args: &DifferArgs) -> Result<Report> {
+    if let Some(style) = PaperStyle::named(&args.style)? {
+        return paper_differ::run(context, args, &style);
+    }
     let mix = Mix::named(&args.style)?;
-    let other = Gpu::new(&GpuOptions {
-        device: Some(args.other.clone()),
-        ..GpuOptions::default()
-    })?;
+    let other = other(args)?;
     let gpu = context.gpu()?;
     let mut timings = Timings::default();
     let prepared = Prepared::new(
@@ -59,7 +61,15 @@ pub(super) fn run(context: &Context, args: &DifferArgs) -> Result<Report> {
     let again = two.draw_again(&scene, &view, &drawings[0], &all)?;
     let reach = mix.styles.iter().map(|s| reach(s, args.ink_supersample));
     let found = compare(&drawings, &again, reach.max().unwrap_or(0));
-    Ok(report(args, [gpu, &other], &found))
+    Ok(report(args, [gpu, &other], &found, SAME_ATTRIBUTES))
+}
+
+/// The second device.
+pub(super) fn other(args: &DifferArgs) -> Result<Gpu> {
+    Gpu::new(&GpuOptions {
+        device: Some(args.other.clone()),
+        ..GpuOptions::default()
+    })
 }
 
 /// Pixels that stage 2 of a style looks around itself.
@@ -113,7 +123,13 @@ fn lines<'a>(a: &'a Drawing, b: &'a Drawing) -> Vec<(&'static str, &'a [u8], &'a
     pairs.map(|(name, (a, b))| (name, &a[..], &b[..])).collect()
 }
 
-fn report(args: &DifferArgs, devices: [&Gpu; 2], found: &[(String, Share)]) -> Report {
+/// What differs as a table. The check fails where that of `held` is more than a thousandth.
+pub(super) fn report(
+    args: &DifferArgs,
+    devices: [&Gpu; 2],
+    found: &[(String, Share)],
+    held: &str,
+) -> Report {
     let names = devices.map(|g| g.info().name.clone());
     let mut table = Table::new(&["what differs", "pixels", "of", "%"]);
     for (name, share) in found {
@@ -132,7 +148,7 @@ fn report(args: &DifferArgs, devices: [&Gpu; 2], found: &[(String, Share)]) -> R
         "style": args.style, "model": args.input.input.to_string(), "devices": names, "rows": rows,
     });
     let report = Report::new(text, json);
-    let same = found.iter().find(|(name, _)| name == SAME_ATTRIBUTES);
+    let same = found.iter().find(|(name, _)| name == held);
     if same.is_some_and(|(_, share)| share.share() > MOST) {
         return report.failed();
     }

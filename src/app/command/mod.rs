@@ -15,6 +15,7 @@ mod ink_differ;
 pub mod leaf;
 pub mod light;
 mod lit_sheet;
+mod paper_differ;
 mod redraw;
 pub mod render;
 pub mod render_ink;

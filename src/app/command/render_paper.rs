@@ -16,6 +16,7 @@ use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::foliage::{Leaves, Primitive};
+use crate::gpu::Gpu;
 use crate::ink::leaves::{LeafTriangles, leaves};
 use crate::ink::paper::anchored::cell_of;
 use crate::ink::paper::drawing::{Order, sort, traced};
@@ -24,7 +25,7 @@ use crate::ink::paper::laid::{lay, strokes_of};
 use crate::ink::paper::particles::{Particle, ground, particles};
 use crate::ink::paper::pdf::pdf;
 use crate::ink::paper::progress::{Tell, quiet};
-use crate::ink::paper::renderer::{Bitmap, PaperRenderer, PaperScene};
+use crate::ink::paper::renderer::{Bitmap, Maps, PaperRenderer, PaperScene};
 use crate::ink::paper::stems::{Told, drawn_stems, known_orders};
 use crate::ink::paper::style::PaperStyle;
 use crate::ink::paper::svg::Drawing;
@@ -254,6 +255,17 @@ impl<'a> Board<'a> {
     /// For files named like `output`; of bitmaps `factor` pixels become one.
     pub(super) fn new(
         context: &Context,
+        kind: (&Path, u32),
+        style: PaperStyle,
+        drawn: (&'a Subject, &RenderSettings),
+        timings: &mut Timings,
+    ) -> Result<Self> {
+        Self::on(context.gpu()?, kind, style, drawn, timings)
+    }
+
+    /// On a device of one's own.
+    pub(super) fn on(
+        gpu: &Gpu,
         (output, factor): (&Path, u32),
         mut style: PaperStyle,
         (subject, settings): (&'a Subject, &RenderSettings),
@@ -270,9 +282,8 @@ impl<'a> Board<'a> {
             (settings.size.map(|s| s * factor), Some(factor))
         };
         let scene = subject.scene();
-        let renderer = timings.measure("upload", || {
-            PaperRenderer::new(context.gpu()?, &scene, &style, size)
-        })?;
+        let renderer =
+            timings.measure("upload", || PaperRenderer::new(gpu, &scene, &style, size))?;
         Ok(Self {
             renderer,
             style,
@@ -336,6 +347,25 @@ impl<'a> Board<'a> {
         file: &Path,
         timings: &mut Timings,
     ) -> Result<Written> {
+        let pixels = self.pixels(view, (factor, frame), timings)?;
+        let picture = timings.measure("reduce", || reduced_pixels(self.size, &pixels, factor));
+        let said = format!("{}x{}", picture.width, picture.height);
+        let json = json!({ "width": picture.width, "height": picture.height });
+        Ok((encode(&picture, file)?, (said, json)))
+    }
+
+    /// What lines are found in.
+    pub(super) fn maps(&self, view: &View) -> Result<Maps> {
+        self.renderer.maps(&self.scene, view)
+    }
+
+    /// Lines and strokes as pixels (RGBA, 16-bit floats, linear), `factor` for one of the picture.
+    pub(super) fn pixels(
+        &self,
+        view: &View,
+        (factor, frame): (u32, Option<u32>),
+        timings: &mut Timings,
+    ) -> Result<Vec<u8>> {
         let Bitmap {
             mut pixels,
             maps,
@@ -352,10 +382,7 @@ impl<'a> Board<'a> {
                 }
             });
         }
-        let picture = timings.measure("reduce", || reduced_pixels(self.size, &pixels, factor));
-        let said = format!("{}x{}", picture.width, picture.height);
-        let json = json!({ "width": picture.width, "height": picture.height });
-        Ok((encode(&picture, file)?, (said, json)))
+        Ok(pixels)
     }
 }
 
