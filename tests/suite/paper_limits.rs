@@ -5,6 +5,8 @@ use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use umbrage::ink::paper::style::PaperStyle;
+
 use crate::place::{Place, files, stderr};
 
 const BASE: &str = "format_version = 1\nkind = \"paper\"\ndescription = \"x\"\n";
@@ -155,4 +157,55 @@ fn an_interrupted_drawing_leaves_no_file() {
     assert!(pressed.success(), "the signal is sent");
     assert_eq!(child.wait().unwrap().code(), Some(INTERRUPTED));
     assert_eq!(files(&place.path("")), before, "no half-written drawing");
+}
+
+/// Every number of a table with its key, replaced by `wrong` in turn.
+fn each_replaced(value: &toml::Value, wrong: f64, key: &str, out: &mut Vec<(String, toml::Value)>) {
+    let mut inside = |part: &toml::Value, key: String, put: &dyn Fn(toml::Value) -> toml::Value| {
+        let mut parts = Vec::new();
+        each_replaced(part, wrong, &key, &mut parts);
+        out.extend(parts.into_iter().map(|(key, part)| (key, put(part))));
+    };
+    match value {
+        toml::Value::Float(_) => out.push((key.to_owned(), toml::Value::Float(wrong))),
+        toml::Value::Table(table) => {
+            for (name, part) in table {
+                inside(part, format!("{key}.{name}"), &|part| {
+                    let mut table = table.clone();
+                    table.insert(name.clone(), part);
+                    toml::Value::Table(table)
+                });
+            }
+        }
+        toml::Value::Array(list) => {
+            for (k, part) in list.iter().enumerate() {
+                inside(part, format!("{key}[{k}]"), &|part| {
+                    let mut list = list.clone();
+                    list[k] = part;
+                    toml::Value::Array(list)
+                });
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn every_number_has_its_range() {
+    let mut count = 0;
+    for name in ["ds00-fig4b", "coloured-pens", "crown-hatching"] {
+        let style = PaperStyle::named(name).unwrap().unwrap();
+        let value = toml::Value::try_from(&style).unwrap();
+        for wrong in [f64::NAN, -1e13, 1e13] {
+            let mut all = Vec::new();
+            each_replaced(&value, wrong, "", &mut all);
+            for (key, value) in all {
+                let text = toml::to_string(&value).unwrap();
+                let said = PaperStyle::parse(&text);
+                assert!(said.is_err(), "{name}: {key} = {wrong} is taken");
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 400, "{count} numbers");
 }
