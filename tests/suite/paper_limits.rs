@@ -80,7 +80,8 @@ fn all_behind_the_camera_is_an_empty_drawing() {
     assert!(text.contains("</svg>") && !text.contains("<path"), "{text}");
 }
 
-/// A million particles take less than 2 GiB, of which the program without them takes a part.
+/// A million particles take less than 1 GiB, of which the program without them takes a part; with all
+/// their outlines at once it would be 1.9.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_million_particles_take_bounded_memory() {
@@ -116,7 +117,7 @@ fn a_million_particles_take_bounded_memory() {
     };
     println!("{} MiB", most / 1024);
     assert!(code.success());
-    assert!(most > 0 && most < 2 << 20, "{most} KiB");
+    assert!(most > 0 && most < 1 << 20, "{most} KiB");
     assert!(place.path("x.svg").exists());
 }
 

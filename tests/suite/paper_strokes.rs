@@ -8,7 +8,7 @@ use umbrage::ink::paper::drawing::{Placement, drawing};
 use umbrage::ink::paper::pen::Stroke;
 use umbrage::ink::paper::renderer::{Maps, PaperRenderer, PaperScene};
 use umbrage::ink::paper::style::PaperStyle;
-use umbrage::ink::paper::trace::{Marks, thinned, trace};
+use umbrage::ink::paper::trace::{Marks, trace};
 use umbrage::ink::view::View;
 use umbrage::scene::Geometry;
 
@@ -142,23 +142,47 @@ fn strokes_in_shadow_cross_above_a_second_tone() {
     );
 }
 
+/// Edge of the cells that anchored strokes are counted in, metres.
+const CELL: f64 = 0.12;
+
+/// Middles of strokes in half shadow, metres.
+fn middles(places: &str, view: &View) -> Vec<DVec3> {
+    let places = format!("[vector]\nstrokes = \"{places}\"\ncell = {CELL}\n");
+    let (strokes, maps, placement) = in_shadow(&places, view, 0.3);
+    let last = DVec2::new(maps.size[0] as f64, maps.size[1] as f64) - 1.0;
+    let place = |s: &Stroke| {
+        let p = &s.line.points;
+        let pixel = (0.5 * (p[0] + p[p.len() - 1]) - placement.corner) / placement.scale;
+        let at = pixel.clamp(DVec2::ZERO, last);
+        let at = at.y as usize * maps.size[0] + at.x as usize;
+        view.point(pixel, f64::from(maps.foliage_depth[at]))
+    };
+    strokes.iter().map(place).collect()
+}
+
+#[test]
+fn anchored_strokes_lie_on_no_grid() {
+    let found = middles("anchored", &view());
+    for axis in [DVec3::X, DVec3::Y] {
+        let mut parts = [0; 4];
+        for p in &found {
+            parts[(4.0 * (p.dot(axis) / CELL).rem_euclid(1.0)) as usize % 4] += 1;
+        }
+        let share = |n: i32| f64::from(n) / found.len() as f64;
+        let even = |n: &i32| (0.12..0.4).contains(&share(*n));
+        assert!(
+            parts.iter().all(even),
+            "{axis}: {parts:?} in quarters of a cell"
+        );
+    }
+}
+
 #[test]
 fn anchored_strokes_stay_where_they_are_and_diffused_ones_do_not() {
     let mut aside = view();
     aside.camera.eye.x += 0.02;
     for (places, limits) in [("anchored", 0.8..1.01), ("diffused", 0.0..0.6)] {
-        let places = format!("[vector]\nstrokes = \"{places}\"\ncell = 0.12\n");
-        let middles = |view: &View| -> Vec<DVec3> {
-            let (strokes, maps, placement) = in_shadow(&places, view, 0.3);
-            let place = |s: &Stroke| {
-                let p = &s.line.points;
-                let pixel = (0.5 * (p[0] + p[p.len() - 1]) - placement.corner) / placement.scale;
-                let at = pixel.y as usize * maps.size[0] + pixel.x as usize;
-                view.point(pixel, f64::from(maps.foliage_depth[at]))
-            };
-            strokes.iter().map(place).collect()
-        };
-        let (before, after) = (middles(&view()), middles(&aside));
+        let (before, after) = (middles(places, &view()), middles(places, &aside));
         let stays = |p: &&DVec3| {
             let pixel = -p.z / view().focal();
             after.iter().any(|q| q.distance(**p) < 1.2 * pixel)
@@ -213,13 +237,9 @@ fn lines_of_discs_are_thin_rings() {
     let maps = maps(&discs, &style);
     let size = maps.size;
     let marked: Vec<bool> = maps.foliage_difference.iter().map(|&d| d > 500.0).collect();
-    let thin = thinned(&Marks {
-        size,
-        marked: &marked,
-    });
     let found = trace(&Marks {
         size,
-        marked: &thin,
+        marked: &marked,
     });
     let rings = found.iter().filter(|l| l.closed).count();
     assert_eq!(
@@ -230,7 +250,7 @@ fn lines_of_discs_are_thin_rings() {
     // Degree 2, where pixels across a corner count only if none beside joins them.
     let at = |x: i64, y: i64| {
         let [w, h] = size.map(|s| s as i64);
-        x >= 0 && y >= 0 && x < w && y < h && thin[(y * w + x) as usize]
+        x >= 0 && y >= 0 && x < w && y < h && marked[(y * w + x) as usize]
     };
     let degree = |i: usize| {
         let (x, y) = ((i % size[0]) as i64, (i / size[0]) as i64);
@@ -239,7 +259,7 @@ fn lines_of_discs_are_thin_rings() {
             .map(|(u, v)| at(x + u, y + v) && !at(x + u, y) && !at(x, y + v));
         beside.iter().chain(&corner).filter(|&&b| b).count()
     };
-    let all: Vec<usize> = (0..thin.len()).filter(|&i| thin[i]).collect();
+    let all: Vec<usize> = (0..marked.len()).filter(|&i| marked[i]).collect();
     let two = all.iter().filter(|&&i| degree(i) == 2).count();
     let share = two as f64 / all.len() as f64;
     assert!(all.len() > 500 && share >= 0.98, "{share} of {}", all.len());
