@@ -294,8 +294,12 @@ fn contours_become_fewer_with_distance() {
     let linear = at_distances("threshold = 0.05\n");
     assert!(mapped.windows(2).all(|w| w[1] < w[0]), "{mapped:?}");
     assert!(mapped[0] as f64 > 1.3 * mapped[5] as f64, "{mapped:?}");
-    // Linear depths are over the range of what is drawn, which has not changed.
-    assert!(linear.iter().all(|&n| n == linear[0]), "{linear:?}");
+    // Linear depths are over the range of what is drawn, which has not changed; now and then a corner
+    // lies between two places of the raster, and goes to the other one.
+    assert!(
+        linear.iter().all(|&n| n.abs_diff(linear[0]) <= 4),
+        "{linear:?}"
+    );
 }
 
 #[test]
