@@ -138,12 +138,8 @@ pub fn records(
     let p = &style.primitive;
     let sizes = [p.size, style.ground.size].map(|s| s * unit(view));
     let random_turn = matches!(p.form, Form::Ellipse);
-    // Sizes are those at the plants' front, or at the distance that is told in metres.
-    let front = if style.depth.fitted {
-        f64::from(view.depths[0])
-    } else {
-        style.depth.near
-    };
+    // Sizes are those at the plants' front, or at the distance that is told.
+    let front = f64::from(style.depth.metres(view.depths)[0]);
     let to_camera = |v: Vec3| {
         let v = v.as_dvec3();
         DVec3::new(v.dot(right), v.dot(up), v.dot(back))

@@ -64,20 +64,34 @@ fn pointed() -> Vec<DVec2> {
     (0..POINTS).map(at).collect()
 }
 
-/// A leaf of five lobes, fixed at the bottom.
+/// A leaf of five lobes, fixed in a notch at the bottom.
 fn lobed() -> Vec<DVec2> {
-    let at = |k: usize| {
-        let angle = TAU * k as f64 / POINTS as f64;
-        // Lobes at 0, 70 and 140 degrees from the tip; deep between them, a notch at the stalk.
-        let away = (angle - PI).abs().to_degrees();
-        let lobe = [(0.0, 1.0), (65.0, 0.92), (125.0, 0.66)]
-            .map(|(at, long): (f64, f64)| long * (1.0 - ((away - at) / 34.0).abs()).max(0.0))
-            .into_iter()
-            .fold(0.0, f64::max);
-        let radius = 0.42 + 0.56 * lobe - 0.12 * (1.0 - ((away - 180.0) / 25.0).abs()).max(0.0);
-        radius * DVec2::from_angle(angle - FRAC_PI_2)
-    };
-    (0..POINTS).map(at).collect()
+    // Degrees from the tip and distance from the middle: lobes bulge, what parts them is narrow, so
+    // that no star is seen.
+    let right = [
+        (0.0, 1.0),
+        (18.0, 0.74),
+        (29.0, 0.4),
+        (39.0, 0.7),
+        (56.0, 0.98),
+        (74.0, 0.72),
+        (88.0, 0.42),
+        (98.0, 0.62),
+        (114.0, 0.8),
+        (140.0, 0.6),
+        (163.0, 0.42),
+        (180.0, 0.1),
+    ];
+    let point =
+        |&(angle, radius): &(f64, f64)| radius * DVec2::from_angle(FRAC_PI_2 - angle.to_radians());
+    let mirrored = right[1..right.len() - 1].iter().map(point);
+    let corners: Vec<DVec2> = right
+        .iter()
+        .rev()
+        .map(point)
+        .chain(mirrored.map(|p| DVec2::new(-p.x, p.y)))
+        .collect();
+    refined(&corners, POINTS)
 }
 
 /// Nine views of a flat outline: narrowed and leaning by the tilt to a side, shortened by the tilt up

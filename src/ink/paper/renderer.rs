@@ -492,17 +492,16 @@ impl PaperRenderer {
 
     fn difference_push(&self, view: &View, slope: f32) -> PaperDifference {
         let d = &self.style.depth;
-        let [nearest, farthest] = view.depths;
-        let whole = (d.near as f32, d.far as f32);
+        let [nearest, farthest] = d.metres(view.depths);
         PaperDifference {
             width: self.size[0],
             height: self.size[1],
             mapped: u32::from(d.mapped),
             sky_at_far: u32::from(d.sky_at_far),
-            nearest: if d.fitted { nearest } else { whole.0 },
-            farthest: if d.fitted { farthest } else { whole.1 },
-            near: whole.0,
-            far: whole.1,
+            nearest,
+            farthest,
+            near: d.near as f32,
+            far: d.far as f32,
             slope,
         }
     }

@@ -1,4 +1,6 @@
-//! Papers by their names.
+//! Papers by their names; distances that depths are compared in.
+
+use super::style::Depth;
 
 /// Width and height, millimetres, of a paper by its name (upright), or `WIDTHxHEIGHT`.
 ///
@@ -33,9 +35,41 @@ pub fn paper_size(text: &str) -> Result<[f64; 2], String> {
     })
 }
 
+impl Depth {
+    /// Nearest and farthest eye depth that count as z0 and z1, metres, where the plants' are
+    /// `plants`.
+    #[must_use]
+    pub fn metres(&self, plants: [f32; 2]) -> [f32; 2] {
+        if self.fitted {
+            return plants;
+        }
+        let unit = if self.relative {
+            0.1 * f64::from(plants[1] - plants[0])
+        } else {
+            1.0
+        };
+        [self.near, self.far].map(|z| (z * unit) as f32)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn depths_are_compared_between_plants_metres_or_tenths_of_the_plants_depth() {
+        let depth = |fitted, relative| Depth {
+            fitted,
+            relative,
+            near: 2.0,
+            far: 22.0,
+            ..Depth::default()
+        };
+        let plants = [50.0, 90.0];
+        assert_eq!(depth(true, false).metres(plants), plants);
+        assert_eq!(depth(false, false).metres(plants), [2.0, 22.0]);
+        assert_eq!(depth(false, true).metres(plants), [8.0, 88.0]);
+    }
 
     #[test]
     fn papers_have_their_names_and_any_size() {

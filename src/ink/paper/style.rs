@@ -144,6 +144,9 @@ pub struct Depth {
     /// The plants' nearest and farthest become z0 and z1; otherwise these are metres, and sizes of
     /// primitives those at z0.
     pub fitted: bool,
+    /// Where they are not fitted: z0 and z1 are tenths of the range of the plants' depths (the unit
+    /// of sizes), whatever the model, rather than metres.
+    pub relative: bool,
     /// What shows nothing is as far as z1, rather than infinitely far: outlines against the sky
     /// vanish at the back.
     pub sky_at_far: bool,
@@ -156,6 +159,7 @@ impl Default for Depth {
             near: 1.0,
             far: 11.0,
             fitted: true,
+            relative: false,
             sky_at_far: false,
         }
     }
