@@ -117,8 +117,8 @@ pub fn traced(maps: &Maps, style: &PaperStyle, view: &View, tell: Tell<'_>) -> D
         });
     };
     let shade = Shade::new(maps, style);
-    let whole =
-        (style.vector.lines == Lines::Bitmap).then(|| whole_bitmap(maps, &visible, &shade, style));
+    let whole = (style.vector.lines == Lines::Bitmap)
+        .then(|| whole_bitmap(maps, &visible, &shade, style, view));
     if style.stem.draw {
         let lines = match &whole {
             Some([stems, _]) => stems.clone(),

@@ -214,6 +214,12 @@ fn straight(run: &[DVec2], tolerance: f64) -> bool {
 /// Distance of a point from a segment.
 #[must_use]
 pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    p.distance(nearest_on(p, a, b))
+}
+
+/// Point of a segment that is nearest to `p`.
+#[must_use]
+pub fn nearest_on(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     let way = b - a;
     let square = way.length_squared();
     let t = if square > 0.0 {
@@ -221,7 +227,7 @@ pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     } else {
         0.0
     };
-    p.distance(a + t * way)
+    a + t * way
 }
 
 fn chord_lengths(run: &[DVec2]) -> Vec<f64> {

@@ -75,7 +75,7 @@ impl<'a> Edges<'a> {
     }
 
     /// The way to the nearest line, if one is near.
-    fn way(&self, p: DVec2) -> Option<DVec2> {
+    pub(super) fn way(&self, p: DVec2) -> Option<DVec2> {
         let cell = (p / CELL as f64).floor();
         let [w, h] = self.cells.map(|c| c as f64);
         if !(cell.x >= 0.0 && cell.y >= 0.0 && cell.x < w && cell.y < h) {

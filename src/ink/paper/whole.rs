@@ -13,6 +13,8 @@ use super::trace::{Marks, smoothed, thinned, trace};
 const SPECK: f64 = 3.0;
 /// Pixels on each side over which lines are smoothed.
 const SMOOTH: usize = 2;
+/// Points on each side that tell what a line is the border of.
+const OWNED: usize = 3;
 /// Points from a junction on that tell the direction in which a line leaves it.
 const REACH: usize = 6;
 /// Mean distance of a border from the middle of a pixel that has it across a corner only.
@@ -33,10 +35,31 @@ pub struct Whole<'a> {
     pub number: &'a [u32],
 }
 
+/// What is known of the outlines that lines of the bitmap stand for.
+pub trait Outlines {
+    /// The place of the outline of a number nearest to `p` (pixels), and how far round the outline it
+    /// is; none where it is not near, or not seen.
+    fn place(&mut self, number: u32, p: DVec2) -> Option<(DVec2, f64)>;
+
+    /// Corners of the outline of a number on the short way between two places of it.
+    fn between(&mut self, number: u32, from: f64, to: f64) -> Vec<DVec2>;
+}
+
+/// Nothing is known: lines lie on the edges of pixels.
+impl Outlines for () {
+    fn place(&mut self, _: u32, _: DVec2) -> Option<(DVec2, f64)> {
+        None
+    }
+
+    fn between(&mut self, _: u32, _: f64, _: f64) -> Vec<DVec2> {
+        Vec::new()
+    }
+}
+
 /// The lines of the bitmap, pixels. Lines lie on the front side of borders; they are moved to the
-/// borders themselves.
+/// borders themselves: onto outlines where those are known, elsewhere to the edges of pixels.
 #[must_use]
-pub fn lines(whole: &Whole<'_>) -> Vec<Polyline> {
+pub fn lines(whole: &Whole<'_>, outlines: &mut impl Outlines) -> Vec<Polyline> {
     let marked = without_single(whole);
     let thin = thinned(&Marks {
         size: whole.size,
@@ -48,12 +71,13 @@ pub fn lines(whole: &Whole<'_>) -> Vec<Polyline> {
     });
     let through = joined_through(found);
     let done = through.into_iter().map(|line| {
+        let owners = whole.owners(&line);
         let points = line.points.iter().map(|&p| p + whole.border_from(p));
         let moved = Polyline {
             points: points.collect(),
             closed: line.closed,
         };
-        smoothed(&moved, SMOOTH)
+        outlined(&smoothed(&moved, SMOOTH), &owners, outlines)
     });
     done.filter(|l| l.points.len() > 1 && l.length() >= SPECK)
         .collect()
@@ -72,6 +96,28 @@ fn without_single(whole: &Whole<'_>) -> Vec<bool> {
 }
 
 impl Whole<'_> {
+    /// What each point of a line (middles of pixels) is the border of: what most of its neighbours
+    /// show, so that a line that shares its pixels with another does not go to and fro between them;
+    /// and what it shows itself.
+    fn owners(&self, line: &Polyline) -> Vec<[u32; 2]> {
+        let number = |p: &DVec2| self.number[p.y as usize * self.size[0] + p.x as usize];
+        let own: Vec<u32> = line.points.iter().map(number).collect();
+        let count = own.len();
+        let most = |i: usize| {
+            let near = if line.closed {
+                let at = |k| own[(i + count + k - OWNED.min(count)) % count];
+                (0..=2 * OWNED.min(count)).map(at).collect()
+            } else {
+                own[i.saturating_sub(OWNED)..(i + OWNED + 1).min(count)].to_vec()
+            };
+            let times = |n: u32| near.iter().filter(|&&m| m == n).count();
+            let best = near.iter().copied().max_by_key(|&n| (times(n), n));
+            let best = best.filter(|&n| times(n) > times(own[i]));
+            [best.unwrap_or(own[i]), own[i]]
+        };
+        (0..count).map(most).collect()
+    }
+
     /// From the middle of a line's pixel to the border of what lies behind it: half a pixel, or a
     /// diagonal where that is seen across a corner only.
     fn border_from(&self, p: DVec2) -> DVec2 {
@@ -105,6 +151,31 @@ impl Whole<'_> {
         }
         let way = if beside { 0.5 } else { CORNER };
         way * sum.normalize_or_zero()
+    }
+}
+
+/// A line on the outlines of its owners, corners and all.
+fn outlined(line: &Polyline, owners: &[[u32; 2]], outlines: &mut impl Outlines) -> Polyline {
+    let mut points = Vec::with_capacity(line.points.len());
+    let mut before: Option<(u32, f64)> = None;
+    for (&p, &[most, own]) in line.points.iter().zip(owners) {
+        let mut on = |n: u32| outlines.place(n, p).map(|(q, round)| (q, (n, round)));
+        let Some((place, now)) = on(most).or_else(|| on(own)) else {
+            points.push(p);
+            before = None;
+            continue;
+        };
+        if let Some((number, from)) = before
+            && number == now.0
+        {
+            points.extend(outlines.between(number, from, now.1));
+        }
+        points.push(place);
+        before = Some(now);
+    }
+    Polyline {
+        points,
+        closed: line.closed,
     }
 }
 
@@ -228,7 +299,7 @@ mod tests {
         let marked =
             drawn(|x, y| (y == 20 && (5..55).contains(&x)) || (x == 30 && (4..37).contains(&y)));
         let (depth, number) = (vec![1.0; 2400], vec![1; 2400]);
-        let mut found = lines(&whole(&marked, &depth, &number));
+        let mut found = lines(&whole(&marked, &depth, &number), &mut ());
         assert_eq!(found.len(), 2, "{found:?}");
         found.sort_by(|a, b| a.length().total_cmp(&b.length()));
         assert!((found[0].length() - 32.0).abs() < 1.0 && (found[1].length() - 49.0).abs() < 1.0);
@@ -238,7 +309,7 @@ mod tests {
     fn single_pixels_go_and_ends_stay() {
         let marked = drawn(|x, y| (x == 3 && y == 3) || (y == 20 && (5..25).contains(&x)));
         let (depth, number) = (vec![1.0; 2400], vec![1; 2400]);
-        let found = lines(&whole(&marked, &depth, &number));
+        let found = lines(&whole(&marked, &depth, &number), &mut ());
         assert_eq!(found.len(), 1);
         assert!((found[0].length() - 19.0).abs() < 1e-9, "ends stay");
     }
@@ -252,7 +323,7 @@ mod tests {
             drawn(|x, y| inside(x, y) && (-1..=1).any(|u| (-1..=1).any(|v| !inside(x + u, y + v))));
         let number: Vec<u32> = drawn(inside).iter().map(|&i| u32::from(i)).collect();
         let depth: Vec<f32> = number.iter().map(|&n| n as f32).collect();
-        let found = lines(&whole(&marked, &depth, &number));
+        let found = lines(&whole(&marked, &depth, &number), &mut ());
         assert_eq!(found.len(), 1);
         assert!(found[0].closed);
         let off: Vec<f64> = found[0]
