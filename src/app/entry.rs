@@ -79,6 +79,12 @@ fn usage(error: &clap::Error) -> ExitCode {
         let _ = error.print();
         return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(USAGE));
     }
+    console::error(&message(error));
+    ExitCode::from(USAGE)
+}
+
+/// What the parser says, as one line.
+pub(super) fn message(error: &clap::Error) -> String {
     let text = error.to_string();
     let message: Vec<&str> = text
         .lines()
@@ -91,6 +97,8 @@ fn usage(error: &clap::Error) -> ExitCode {
         .filter(|line| !line.is_empty())
         .collect();
     let message = message.join(" ");
-    console::error(&message.strip_prefix("error: ").unwrap_or(&message));
-    ExitCode::from(USAGE)
+    message
+        .strip_prefix("error: ")
+        .unwrap_or(&message)
+        .to_owned()
 }

@@ -55,6 +55,7 @@ mod model_fixture;
 mod models;
 mod models_damage;
 mod paper;
+mod paper_again;
 mod paper_frames;
 mod paper_inks;
 mod paper_limits;

@@ -59,8 +59,8 @@ fn material_file(text: &str) -> Result<(String, PathBuf), String> {
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
     /// glTF, GLB or OBJ files, grow:SPECIES:SEED:LEAVES, scene files (.toml), or a drawing of this
-    /// program (.svg), which is drawn again; several models make
-    /// a sheet with one row each
+    /// program (.svg), which is drawn again with the options given here in place of its own; several
+    /// models make a sheet with one row each
     #[arg(value_name = "MODEL|SCENE", default_value = EMBEDDED)]
     pub inputs: Vec<Source>,
     /// Options of models.
@@ -113,7 +113,8 @@ Examples:
   umbrage render oak.glb -o oak.png --style silhouette-hatching
   umbrage render oak.glb -o frame-%04d.png --style full --camera-path orbit:turns=1,frames=96
   umbrage render oak.glb -o oak.svg --style ds00-fig3a --paper a3
-  umbrage render oak.svg -o again.svg         draws it again";
+  umbrage render oak.svg -o again.svg                     draws it again
+  umbrage render oak.svg -o plot.svg --profile plotter    the same with other options";
 }
 
 /// Arguments of `bake`.

@@ -19,7 +19,7 @@ pub struct InkArgs {
     #[arg(long, value_name = "STYLE|FILE", conflicts_with_all = ["view", "compare", "lighting"])]
     pub style: Option<String>,
     /// A second style: with --share, what lies between the two
-    #[arg(long, value_name = "STYLE|FILE", requires = "style")]
+    #[arg(long, value_name = "STYLE|FILE")]
     pub toward: Option<String>,
     /// How far towards it, 0 to 1; several stand side by side
     #[arg(
@@ -32,18 +32,18 @@ pub struct InkArgs {
     pub share: Vec<f32>,
     /// Shows one attribute instead of the drawing: albedo, normal, depth, object, cluster, direction,
     /// hatch, tone, shadow, contour, silhouette, edges or wash
-    #[arg(long, value_name = "ATTRIBUTE", requires = "style")]
+    #[arg(long, value_name = "ATTRIBUTE")]
     pub ink_view: Option<InkView>,
     /// Pixels drawn for one of the picture, along each axis, 1 to 4; 1 is the paper's
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=4))]
     pub ink_supersample: u32,
     /// Paper of drawings, millimetres: a6 to a0, letter, tabloid (with -landscape: turned), or
     /// width x height
-    #[arg(long, value_name = "SIZE", value_parser = paper_size, requires = "style")]
+    #[arg(long, value_name = "SIZE", value_parser = paper_size)]
     pub paper: Option<[f64; 2]>,
     /// How vectors are written: centre lines in a plotter's order, filled outlines for print, or a
     /// group for every primitive
-    #[arg(long, value_name = "plotter|print|edit", value_parser = profile, requires = "style")]
+    #[arg(long, value_name = "plotter|print|edit", value_parser = profile)]
     pub profile: Option<Profile>,
 }
 
@@ -57,6 +57,42 @@ fn profile(text: &str) -> std::result::Result<Profile, String> {
 }
 
 impl InkArgs {
+    /// Sees that options of drawings stand beside a style. A drawing that is drawn again has one.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check_style(&self) -> Result<()> {
+        let given = [
+            ("toward", self.toward.is_some()),
+            ("ink-view", self.ink_view.is_some()),
+            ("paper", self.paper.is_some()),
+            ("profile", self.profile.is_some()),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((name, _)) if self.style.is_none() => Err(Error::usage(format!(
+                "--{name}: needs a drawing: a --style, or a drawing (.svg) to draw again"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Sees that no option of pictures in real time stands beside a style on paper.
+    ///
+    /// # Errors
+    /// The first that does.
+    pub fn check_paper(&self) -> Result<()> {
+        let given = [
+            ("toward", self.toward.is_some()),
+            ("ink-view", self.ink_view.is_some()),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((name, _)) => Err(Error::usage(format!(
+                "--{name}: for styles of pictures in real time; drawings on paper have it not"
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// Changes a style to what the command line says.
     ///
     /// # Errors

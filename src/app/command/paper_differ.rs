@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::ink_differ::{other, report};
-use super::render_paper::{Board, subject};
+use super::render_paper::{Board, Kind, subject};
 use crate::Result;
 use crate::app::cli::ink_strokes::DifferArgs;
 use crate::app::differ::{Share, alike};
@@ -40,7 +40,7 @@ pub(super) fn run(context: &Context, args: &DifferArgs, style: &PaperStyle) -> R
     let _working = console::working("drawing");
     let mut drawings = Vec::new();
     for gpu in [gpu, &other] {
-        let kind = (Path::new("x.png"), factor);
+        let kind = Kind::unnamed(Path::new("x.png"), factor);
         let drawn = (&subject, &settings);
         let board = Board::on(gpu, kind, style.clone(), drawn, &mut timings)?;
         let view = subject.view(&settings, board.size, None);

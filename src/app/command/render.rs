@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use super::recipe::Recipe;
 use super::redraw;
 use crate::app::animation::Animation;
 use crate::app::cli::RenderArgs;
@@ -27,12 +28,15 @@ use crate::{Error, Result};
 /// # Errors
 /// Wrong input or settings, an unwritable output, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
-    if let [source] = args.inputs.as_slice()
-        && let Some(path) = redraw::drawing(source.files(&[]).next())
-    {
-        let (again, style) = redraw::read(path, args)?;
-        return super::render_paper::run(context, &again, style);
+    let mut files = args.inputs.iter().flat_map(|source| source.files(&[]));
+    if let Some(path) = files.find(|path| redraw::drawing(path)) {
+        if args.inputs.len() > 1 {
+            return Err(Error::file(path, "a drawing is drawn again by itself"));
+        }
+        let again = redraw::read(path, &Recipe::given(), &args.output)?;
+        return super::render_paper::run(context, &again.args, again.style, again.recipe);
     }
+    args.ink.check_style()?;
     if !args.lit.lighting.is_empty() {
         return super::render_lit::run(context, args);
     }

@@ -2,6 +2,7 @@
 
 use serde_json::json;
 
+use super::recipe::Recipe;
 use super::render::{encode, frames_report};
 use crate::app::animation::Animation;
 use crate::app::cli::RenderArgs;
@@ -26,12 +27,12 @@ use crate::{Error, Result};
 /// # Errors
 /// Wrong input, style or settings, a model without leaves, a failing device.
 pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
-    if super::render_looks::wanted(&args.ink) {
-        return super::render_looks::run(context, args);
-    }
     let named = args.ink.style.as_deref().unwrap_or_default();
     if let Some(paper) = PaperStyle::named(named)? {
-        return super::render_paper::run(context, args, paper);
+        return super::render_paper::run(context, args, paper, Recipe::given());
+    }
+    if super::render_looks::wanted(&args.ink) {
+        return super::render_looks::run(context, args);
     }
     let mut mix = Mix::named(named)?;
     picture_settings(None, &args.picture)?;

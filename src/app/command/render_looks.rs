@@ -16,6 +16,7 @@ use crate::foliage::Bake;
 use crate::ink::blend;
 use crate::ink::mix::Mix;
 use crate::ink::mix::short;
+use crate::ink::paper::style::PaperStyle;
 use crate::ink::plan::InkPlan;
 use crate::ink::renderer::{InkRenderer, InkScene};
 use crate::ink::style::Style;
@@ -87,6 +88,11 @@ fn styles(args: &InkArgs, named: &str) -> Result<Vec<(String, Style)>> {
     let Some(toward) = &args.toward else {
         return Ok(vec![(named.to_owned(), from)]);
     };
+    if PaperStyle::named(toward)?.is_some() {
+        return Err(Error::usage(format!(
+            "--toward {toward}: draws on paper; the way goes between styles of pictures in real time"
+        )));
+    }
     let to = Style::named(toward)?;
     let one = |&share: &f32| {
         if !(0.0..=1.0).contains(&share) {

@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::json;
 
+use super::recipe::Recipe;
 use super::redraw;
 use super::render::{encode, frames_report};
 use super::render_ink::reduced_pixels;
@@ -47,11 +48,17 @@ pub(super) struct Subject {
     leaves: usize,
 }
 
-/// Draws the model on paper.
+/// Draws the model on paper; vectors hold the `recipe`.
 ///
 /// # Errors
 /// Wrong input, style or settings, a model without leaves, a failing device.
-pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Result<Report> {
+pub(super) fn run(
+    context: &Context,
+    args: &RenderArgs,
+    mut style: PaperStyle,
+    recipe: Recipe,
+) -> Result<Report> {
+    args.ink.check_paper()?;
     args.ink.change(&mut style)?;
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &ENDINGS)?;
@@ -69,9 +76,10 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let subject = subject(prepared, &style, &mut timings)?;
     if let Some(animation) = animation {
+        let kind = Kind::of(args, recipe);
         return frames(
             context,
-            args,
+            kind,
             style,
             (&subject, &settings),
             animation,
@@ -79,7 +87,7 @@ pub fn run(context: &Context, args: &RenderArgs, mut style: PaperStyle) -> Resul
         );
     }
     let _working = console::working(format!("drawing {} particles", subject.particles.len()));
-    let kind = (args.output.as_path(), args.ink.ink_supersample);
+    let kind = Kind::of(args, recipe);
     let board = Board::new(context, kind, style, (&subject, &settings), &mut timings)?;
     let view = subject.view(&settings, board.size, None);
     let (bytes, report) = board.draw(&view, None, &args.output, &mut timings)?;
@@ -203,14 +211,13 @@ fn lens(settings: &RenderSettings, size: [u32; 2]) -> Lens {
 /// where the way begins, and strokes of hatching the places on what they lie on.
 fn frames(
     context: &Context,
-    args: &RenderArgs,
+    kind: Kind<'_>,
     mut style: PaperStyle,
     (subject, settings): (&Subject, &RenderSettings),
     animation: Animation,
     mut timings: Timings,
 ) -> Result<Report> {
     style.vector.strokes = StrokePlaces::Anchored;
-    let kind = (args.output.as_path(), args.ink.ink_supersample);
     let mut board = Board::new(context, kind, style, (subject, settings), &mut timings)?;
     let (lens, origin) = (lens(settings, board.size), subject.prepared.geometry.origin);
     let path = animation.path_about(&settings.camera, lens, origin, subject.points())?;
@@ -240,6 +247,35 @@ fn ends_in(file: &Path, ending: &str) -> bool {
 /// The bytes of a file, and what to say of it in words and as JSON.
 type Written = (Vec<u8>, (String, serde_json::Value));
 
+/// What kind of files is wanted.
+pub(super) struct Kind<'a> {
+    /// Its name tells it.
+    pub(super) output: &'a Path,
+    /// Of bitmaps: pixels along each axis that become one.
+    pub(super) factor: u32,
+    /// What vectors hold for being drawn again.
+    pub(super) recipe: Recipe,
+}
+
+impl<'a> Kind<'a> {
+    /// Of a file that nobody keeps.
+    pub(super) fn unnamed(output: &'a Path, factor: u32) -> Self {
+        Self {
+            output,
+            factor,
+            recipe: Recipe::default(),
+        }
+    }
+
+    fn of(args: &'a RenderArgs, recipe: Recipe) -> Self {
+        Self {
+            output: &args.output,
+            factor: args.ink.ink_supersample,
+            recipe,
+        }
+    }
+}
+
 /// What draws views of one subject into files of one kind.
 pub(super) struct Board<'a> {
     renderer: PaperRenderer,
@@ -249,13 +285,14 @@ pub(super) struct Board<'a> {
     pub(super) size: [u32; 2],
     /// Of bitmaps: pixels for one of the picture.
     factor: Option<u32>,
+    recipe: Recipe,
 }
 
 impl<'a> Board<'a> {
-    /// For files named like `output`; of bitmaps `factor` pixels become one.
+    /// For files of one kind.
     pub(super) fn new(
         context: &Context,
-        kind: (&Path, u32),
+        kind: Kind<'_>,
         style: PaperStyle,
         drawn: (&'a Subject, &RenderSettings),
         timings: &mut Timings,
@@ -266,12 +303,13 @@ impl<'a> Board<'a> {
     /// On a device of one's own.
     pub(super) fn on(
         gpu: &Gpu,
-        (output, factor): (&Path, u32),
+        kind: Kind<'_>,
         mut style: PaperStyle,
         (subject, settings): (&'a Subject, &RenderSettings),
         timings: &mut Timings,
     ) -> Result<Self> {
         let free = style.sheet.paper.map(|s| s - 2.0 * style.sheet.margin);
+        let (output, factor) = (kind.output, kind.factor);
         let vectors = ends_in(output, "svg") || ends_in(output, "pdf");
         let (size, factor) = if vectors {
             let pixels = |s: f64| (s * style.sheet.resolution).round().max(1.0) as u32;
@@ -290,6 +328,7 @@ impl<'a> Board<'a> {
             scene,
             size,
             factor,
+            recipe: kind.recipe,
         })
     }
 
@@ -324,7 +363,7 @@ impl<'a> Board<'a> {
         timings.add_passes(&maps.passes);
         let mut found = timings.measure("trace", || traced(&maps, style, view, tell(frame)));
         let order = timings.measure("sort", || sort(&mut found, style));
-        found.metadata = metadata(style, view, frame)?;
+        found.metadata = self.metadata(view, frame, file)?;
         let curves = FitSettings::within(style.sheet.tolerance);
         let fitted = timings.measure("fit", || {
             found.fitted_told(style.sheet.profile, &curves, tell(frame))
@@ -338,6 +377,23 @@ impl<'a> Board<'a> {
         });
         let told = told(&found, order);
         Ok((bytes, told))
+    }
+
+    /// What drew the file, for people and for drawing it again: the command line without the
+    /// output, and the style in full; of a sequence the frame.
+    fn metadata(&self, view: &View, frame: Option<u32>, file: &Path) -> Result<String> {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let recipe = self.recipe.clone().of_frame(frame);
+        let (arguments, style) = redraw::held(recipe, self.style.clone(), folder)?;
+        let c = &view.camera;
+        let json = json!({
+            "program": "umbrage", "version": env!("CARGO_PKG_VERSION"),
+            "arguments": arguments,
+            "style": style,
+            "camera": { "eye": c.eye.to_array(), "forward": c.forward.to_array(), "fov": c.fov },
+            "sun": view.to_sun.to_array(),
+        });
+        Ok(json.to_string())
     }
 
     fn bitmap(
@@ -413,19 +469,4 @@ fn told(drawing: &Drawing, order: Order) -> (String, serde_json::Value) {
         "layers": drawing.layers.iter().map(layer).collect::<Vec<_>>(),
     });
     (text, json)
-}
-
-/// What drew the file, for people and for drawing it again: the command line without the output,
-/// and the style in full; of a sequence the frame.
-fn metadata(style: &PaperStyle, view: &View, frame: Option<u32>) -> Result<String> {
-    let style = toml::to_string(style).map_err(|e| Error::usage(format!("style: {e}")))?;
-    let c = &view.camera;
-    let json = json!({
-        "program": "umbrage", "version": env!("CARGO_PKG_VERSION"),
-        "arguments": redraw::arguments(std::env::args(), frame),
-        "style": style,
-        "camera": { "eye": c.eye.to_array(), "forward": c.forward.to_array(), "fov": c.fov },
-        "sun": view.to_sun.to_array(),
-    });
-    Ok(json.to_string())
 }

@@ -195,11 +195,10 @@ impl Programs {
 /// A painted picture stretched to `size` pixels.
 fn mask(path: &Path, size: [u32; 2]) -> Result<Vec<u8>> {
     use image::imageops::{FilterType, resize};
+    let (name, bytes) = read(path)?;
     let picture = decode(&ImageSource::Encoded {
-        name: path.display().to_string(),
-        bytes: fs::read(path)
-            .map_err(|e| Error::file(path, format!("cannot read: {e}")))?
-            .into(),
+        name: name.clone(),
+        bytes: bytes.into(),
     })?;
     let value = |p: &[u8]| {
         let [r, g, b, a] = [p[0], p[1], p[2], p[3]].map(f32::from);
@@ -210,23 +209,74 @@ fn mask(path: &Path, size: [u32; 2]) -> Result<Vec<u8>> {
         return Ok(grey);
     }
     let grey = image::GrayImage::from_raw(picture.width, picture.height, grey)
-        .ok_or_else(|| Error::file(path, "the picture has no pixels"))?;
+        .ok_or_else(|| Error::file(name, "the picture has no pixels"))?;
     // Weighs by area where it is made smaller.
     Ok(resize(&grey, size[0], size[1], FilterType::Triangle).into_raw())
 }
 
 /// Makes the paths of masks relative to the folder of the style's file, and sees that they are there.
 pub(super) fn resolve(style: &mut PaperStyle, folder: &Path) -> Result<()> {
-    let (f, s) = (&mut style.foliage, &mut style.stem);
-    let all = [
-        &mut f.threshold_by,
-        &mut f.width_by,
-        &mut s.threshold_by,
-        &mut s.width_by,
-    ];
-    for path in all.into_iter().flatten().filter_map(|m| m.mask.as_mut()) {
-        *path = folder.join(&*path);
-        fs::metadata(&*path).map_err(|e| Error::file(&*path, format!("cannot read: {e}")))?;
+    style.try_masks(|mask| {
+        let path = folder.join(mask);
+        fs::metadata(&path).map_err(|e| Error::file(&path, format!("cannot read: {e}")))?;
+        Ok(path)
+    })
+}
+
+impl PaperStyle {
+    /// The name of every mask that is not in the style itself becomes what `change` makes of it.
+    ///
+    /// # Errors
+    /// Those of `change`.
+    pub fn try_masks<E>(
+        &mut self,
+        mut change: impl FnMut(&Path) -> std::result::Result<PathBuf, E>,
+    ) -> std::result::Result<(), E> {
+        let (f, s) = (&mut self.foliage, &mut self.stem);
+        let all = [
+            &mut f.threshold_by,
+            &mut f.width_by,
+            &mut s.threshold_by,
+            &mut s.width_by,
+        ];
+        let masks = all.into_iter().flatten().filter_map(|m| m.mask.as_mut());
+        for mask in masks.filter(|m| data(m).is_none()) {
+            *mask = change(mask)?;
+        }
+        Ok(())
     }
-    Ok(())
+}
+
+/// What the name of a mask begins with that is the picture itself, as in a data URL.
+const DATA: &str = "data:image;base64,";
+/// Bytes of masks that drawings hold at most.
+const LARGEST_HELD: usize = 256 * 1024;
+
+/// The bytes of a mask whose name is the picture itself.
+fn data(mask: &Path) -> Option<&str> {
+    mask.to_str()?.strip_prefix(DATA)
+}
+
+/// The name of a mask that is the picture itself; none of pictures of more than 256 KiB.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn embedded(mask: &Path) -> Result<Option<PathBuf>> {
+    use base64::Engine as _;
+    let bytes = fs::read(mask).map_err(|e| Error::file(mask, format!("cannot read: {e}")))?;
+    let held = bytes.len() <= LARGEST_HELD;
+    let encode = || base64::engine::general_purpose::STANDARD.encode(&bytes);
+    Ok(held.then(|| PathBuf::from(format!("{DATA}{}", encode()))))
+}
+
+/// Name for messages, and bytes.
+fn read(mask: &Path) -> Result<(String, Vec<u8>)> {
+    use base64::Engine as _;
+    if let Some(text) = data(mask) {
+        let bytes = base64::engine::general_purpose::STANDARD.decode(text);
+        let bytes = bytes.map_err(|e| Error::usage(format!("mask: its data: {e}")))?;
+        return Ok(("mask".to_owned(), bytes));
+    }
+    let bytes = fs::read(mask).map_err(|e| Error::file(mask, format!("cannot read: {e}")))?;
+    Ok((mask.display().to_string(), bytes))
 }

@@ -49,8 +49,10 @@ impl Grid {
         let middle = self.key(p);
         let reach = (self.high - middle).max(middle - self.low);
         let last = reach.x.max(reach.y).max(0);
+        // Rings that do not reach the entries are empty.
+        let apart = (self.low - middle).max(middle - self.high).max(IVec2::ZERO);
         let mut best: Option<(f64, u32)> = None;
-        for ring in 0..=last {
+        for ring in apart.x.max(apart.y)..=last {
             // Everything in this ring and beyond is at least so far.
             if best.is_some_and(|b| b.0 <= f64::from(ring - 1).max(0.0) * self.cell) {
                 break;
@@ -103,7 +105,9 @@ pub fn sorted(lines: Vec<Polyline>, start: DVec2) -> Vec<Polyline> {
     }
     let mut at = start;
     let mut out = Vec::with_capacity(lines.len());
-    while let Some(n) = grid.nearest(at, |n| ends(&lines, n)) {
+    while out.len() < lines.len()
+        && let Some(n) = grid.nearest(at, |n| ends(&lines, n))
+    {
         for end in [n & !1, n | 1] {
             grid.remove(ends(&lines, end), end);
         }
@@ -134,9 +138,10 @@ fn cell_for(lines: &[Polyline]) -> f64 {
     let low = all().fold(DVec2::INFINITY, DVec2::min);
     let high = all().fold(DVec2::NEG_INFINITY, DVec2::max);
     let area = (high - low).max(DVec2::splat(1e-9));
-    ((area.x * area.y) / (lines.len().max(1) as f64))
-        .sqrt()
-        .max(1e-3)
+    let count = lines.len().max(1) as f64;
+    // Ends may all lie on one line.
+    let side = area.x.max(area.y) / count;
+    ((area.x * area.y) / count).sqrt().max(side).max(1e-3)
 }
 
 /// Joins lines, in their order, whose ends are at most `gap` apart; a line whose own ends meet
@@ -400,6 +405,22 @@ mod tests {
                 )
             })
             .collect()
+    }
+
+    #[test]
+    fn one_small_ring_far_from_the_start_is_found_at_once() {
+        let ring = Polyline {
+            points: [[900.0, 900.0], [900.1, 900.0], [900.0, 900.1]]
+                .map(DVec2::from)
+                .into(),
+            closed: true,
+        };
+        // Its ends have no extent: cells of a thousandth of a millimetre.
+        assert_eq!(sorted(vec![ring], DVec2::ZERO).len(), 1);
+        let upright: Vec<_> = (0..300)
+            .map(|k| segment([5.0, f64::from(k)], [5.0, f64::from(k) + 0.5]))
+            .collect();
+        assert_eq!(sorted(upright, DVec2::ZERO).len(), 300);
     }
 
     #[test]
