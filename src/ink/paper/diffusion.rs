@@ -204,6 +204,35 @@ mod tests {
     }
 
     #[test]
+    fn steps_keep_the_mean_of_a_tone_and_hardly_ever_tell_the_last_places_of_it() {
+        for darkness in [0.0, 0.05, 0.3, 0.5, 0.9, 1.0] {
+            let all: Vec<f64> = (0..20_000).map(|k| stepped(darkness, 7, k)).collect();
+            let mean = all.iter().sum::<f64>() / all.len() as f64;
+            assert!((mean - darkness).abs() < 2e-3, "{darkness}: {mean}");
+            assert!(all.iter().all(|t| (t * STEPS).fract() == 0.0));
+            let moved = (0..20_000).filter(|&k| stepped(darkness + 1e-6, 7, k) != all[k as usize]);
+            assert!(moved.count() <= 2, "{darkness}");
+        }
+    }
+
+    #[test]
+    fn a_change_of_the_last_places_of_a_tone_leaves_its_strokes_alone() {
+        let size = [200, 160];
+        let tone = |off: f32| -> Vec<ShortStroke> {
+            let ramp = |i: usize| 0.1 + 0.6 * (i % 200) as f32 / 200.0;
+            let field: Vec<f32> = (0..200 * 160).map(|i| ramp(i) + off).collect();
+            let tone = Tone {
+                size,
+                darkness: &field,
+            };
+            strokes(&tone, &SETTINGS, turning)
+        };
+        let (one, other) = (tone(0.0), tone(1e-7));
+        assert!(one.len() > 100);
+        assert!(one == other, "{} and {}", one.len(), other.len());
+    }
+
+    #[test]
     fn a_ramp_is_followed_bin_by_bin() {
         let size = [256, 256];
         let field: Vec<f32> = (0..size[0] * size[1])
