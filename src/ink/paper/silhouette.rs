@@ -11,6 +11,8 @@ use crate::scene::Geometry;
 
 /// Pixels from which traced lines are moved: they lie up to a pixel within the stem.
 const REACH: f64 = 1.6;
+/// Pixels by which a line on the other side is farther away at least.
+const THIN: f64 = 0.6;
 /// Pixels along a cell of the search.
 const CELL: usize = 4;
 
@@ -74,7 +76,8 @@ impl<'a> Edges<'a> {
         }
     }
 
-    /// The way to the nearest line, if one is near.
+    /// The way to the nearest line, if one is near and none on the other side is about as near: a
+    /// branch as thin as a pixel has one line, which keeps its middle.
     pub(super) fn way(&self, p: DVec2) -> Option<DVec2> {
         let cell = (p / CELL as f64).floor();
         let [w, h] = self.cells.map(|c| c as f64);
@@ -92,7 +95,12 @@ impl<'a> Edges<'a> {
             .iter()
             .map(way)
             .min_by(|a, b| a.length().total_cmp(&b.length()));
-        nearest.filter(|w| w.length() <= REACH)
+        let nearest = nearest.filter(|w| w.length() <= REACH)?;
+        let opposite = |other: DVec2| {
+            other.length() < nearest.length() + THIN
+                && nearest.dot(other) < -0.8 * nearest.length() * other.length()
+        };
+        (!near.iter().map(way).any(opposite)).then_some(nearest)
     }
 }
 
