@@ -65,7 +65,7 @@ for style in ds00-fig2 ds00-fig3a ds00-fig3b ds00-fig4a ds00-fig4b ds00-fig4c ds
     ds00-fig6e ds00-fig6f lenient-sketch plotter-a4; do
     model=oak_medium
     if [ $style = ds00-fig6f ]; then model=oak_medium_dense; fi
-    "$umbrage" render "$models/$model.glb" --style "$style" --size 546x819 -o "$work/$style.png"
+    "$umbrage" render "$models/$model.glb" --style "$style" -o "$work/$style.png"
     "$umbrage" render "$models/$model.glb" --style "$style" -o "$work/$style.svg"
 done
 # figure 5: a tree at three distances, in metres; sizes as they are (a), and enlarged up to twice (b)
@@ -74,7 +74,7 @@ for size in 0.0 1.0; do
         src/ink/paper/presets/ds00-fig5.toml >"$work/distance.toml"
     for distance in 1 1.7 2.9; do
         "$umbrage" render "$models/oak_medium.glb" --style "$work/distance.toml" --camera "25,7,$distance" \
-            --size 546x546 -o "$work/distance-$size-$distance.png"
+            --paper 115x115 -o "$work/distance-$size-$distance.png"
         "$umbrage" render "$models/oak_medium.glb" --style "$work/distance.toml" --camera "25,7,$distance" \
             --paper 115x115 -o "$work/distance-$size-$distance.svg"
     done

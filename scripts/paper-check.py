@@ -140,7 +140,7 @@ def check(style, args, folder):
     size = [round((210 - 2 * MARGIN) * RESOLUTION), round((297 - 2 * MARGIN) * RESOLUTION)]
     bitmap, svg, plot = f"{folder}/b.png", f"{folder}/v.svg", f"{folder}/p.svg"
     run(args.umbrage, "render", model, "-o", bitmap, "--style", style,
-        "--size", f"{size[0]}x{size[1]}", "--ink-supersample", 1)
+        "--paper", "a4", "--ink-supersample", 1)
     run(args.umbrage, "render", model, "-o", svg, "--style", style, "--paper", "a4", "--profile", "print")
     run(args.umbrage, "render", model, "-o", plot, "--style", style, "--paper", "a4", "--profile", "plotter")
     text, plotted = open(svg).read(), open(plot).read()

@@ -53,6 +53,40 @@ impl Picture {
         Ok(bytes)
     }
 
+    /// The bytes of a PNG file that says how large it is and what it shows: pixels of a metre, and
+    /// a text with its keyword (pHYs, iTXt).
+    ///
+    /// # Errors
+    /// As [`Picture::to_png`].
+    pub fn to_png_with(&self, of_a_metre: u32, (keyword, text): (&str, &str)) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.write_png(&mut bytes, of_a_metre, (keyword, text))
+            .map_err(|e| crate::Error::usage(format!("the picture cannot be encoded: {e}")))?;
+        Ok(bytes)
+    }
+
+    fn write_png(
+        &self,
+        bytes: &mut Vec<u8>,
+        of_a_metre: u32,
+        (keyword, text): (&str, &str),
+    ) -> std::result::Result<(), png::EncodingError> {
+        let mut encoder = png::Encoder::new(bytes, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::Filter::Adaptive);
+        encoder.set_pixel_dims(Some(png::PixelDimensions {
+            xppu: of_a_metre,
+            yppu: of_a_metre,
+            unit: png::Unit::Meter,
+        }));
+        encoder.add_itxt_chunk(keyword.to_owned(), text.to_owned())?;
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.rgba)?;
+        writer.finish()
+    }
+
     /// The bytes of a JPEG file; alpha is left out.
     ///
     /// # Errors

@@ -64,6 +64,7 @@ mod paper_measures;
 mod paper_modulation;
 mod paper_polygons;
 mod paper_round;
+mod paper_sheet;
 mod paper_stems;
 mod paper_strokes;
 mod paper_svg;

@@ -11,11 +11,12 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Pen and ink")]
 pub struct InkArgs {
-    /// Draws instead of showing a view: full, half, minimal, mixed, normal-edges,
+    /// Draws instead of showing a view: full, half, leaves, minimal, mixed, normal-edges,
     /// normal-edges-original, outline, photo, pointillist, silhouette-hatching, smooth, toon,
-    /// van-gogh, watercolour, or a style or mix file (.toml). On paper, also as vectors (.svg):
-    /// ds00-fig3a, -fig3b, -fig4a, -fig4b, -fig4c, -fig5, -fig6a to -fig6f, crown-hatching, coloured-pens,
-    /// lenient-sketch, plotter-a4
+    /// van-gogh, watercolour, or a style or mix file (.toml). On paper, also as vectors (.svg, .pdf):
+    /// ds00-fig2, ds00-fig3a, ds00-fig3b, ds00-fig4a, ds00-fig4b, ds00-fig4c, ds00-fig5, ds00-fig6a,
+    /// ds00-fig6b, ds00-fig6c, ds00-fig6d, ds00-fig6e, ds00-fig6f, crown-hatching, coloured-pens,
+    /// lenient-sketch, plotter-a4, or a file with kind = "paper"
     #[arg(long, value_name = "STYLE|FILE", conflicts_with_all = ["view", "compare", "lighting"])]
     pub style: Option<String>,
     /// A second style: with --share, what lies between the two
@@ -105,5 +106,25 @@ impl InkArgs {
             style.sheet.profile = profile;
         }
         style.check().map_err(Error::usage)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ink::{paper, style};
+
+    #[test]
+    fn the_help_names_every_style() {
+        let command = InkArgs::augment_args(clap::Command::new("render"));
+        let argument = command.get_arguments().find(|a| a.get_id() == "style");
+        let help = argument.and_then(clap::Arg::get_help).unwrap().to_string();
+        let said: Vec<&str> = help
+            .split(|c: char| !c.is_alphanumeric() && c != '-')
+            .collect();
+        let all = style::PRESETS.iter().chain(&paper::presets::PRESETS);
+        for (name, _) in all {
+            assert!(said.contains(name), "{name}: {help}");
+        }
     }
 }

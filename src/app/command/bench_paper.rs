@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::render_paper::{Board, Kind, subject};
+use super::paper_kind::Kind;
+use super::render_paper::{Board, subject};
 use crate::app::cli::BenchArgs;
 use crate::app::prepared::Prepared;
 use crate::app::report::Table;
@@ -57,9 +58,8 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
         for (kind, file) in KINDS {
             let file = Path::new(file);
             let mut once = Timings::default();
-            let drawn = (&subject, &settings);
-            let what = Kind::unnamed(file, 1);
-            let board = Board::new(context, what, style.clone(), drawn, &mut once)?;
+            let what = Kind::unnamed(file, 1, settings.size);
+            let board = Board::new(context, what, style.clone(), &subject, &mut once)?;
             let view = subject.view(&settings, board.size, None);
             let (mut stages, mut frames) = (Timings::default(), Vec::new());
             let working = console::working("drawing");

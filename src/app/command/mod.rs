@@ -16,6 +16,7 @@ pub mod leaf;
 pub mod light;
 mod lit_sheet;
 mod paper_differ;
+mod paper_kind;
 mod recipe;
 mod redraw;
 pub mod render;

@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use super::ink_differ::{other, report};
-use super::render_paper::{Board, Kind, subject};
+use super::paper_kind::Kind;
+use super::render_paper::{Board, subject};
 use crate::Result;
 use crate::app::cli::ink_strokes::DifferArgs;
 use crate::app::differ::{Share, alike};
@@ -40,9 +41,8 @@ pub(super) fn run(context: &Context, args: &DifferArgs, style: &PaperStyle) -> R
     let _working = console::working("drawing");
     let mut drawings = Vec::new();
     for gpu in [gpu, &other] {
-        let kind = Kind::unnamed(Path::new("x.png"), factor);
-        let drawn = (&subject, &settings);
-        let board = Board::on(gpu, kind, style.clone(), drawn, &mut timings)?;
+        let kind = Kind::unnamed(Path::new("x.png"), factor, settings.size);
+        let board = Board::on(gpu, kind, style.clone(), &subject, &mut timings)?;
         let view = subject.view(&settings, board.size, None);
         let pixels = board.pixels(&view, (factor, None), &mut timings)?;
         drawings.push((board.maps(&view)?, pixels));

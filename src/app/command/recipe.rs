@@ -80,6 +80,11 @@ impl Recipe {
         out
     }
 
+    /// Names of its options, without their `--`.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.options.iter().map(|o| o.0.as_str())
+    }
+
     /// The value of an option.
     pub(super) fn value(&self, name: &str) -> Option<&str> {
         let found = self.options.iter().rfind(|o| o.0 == name);

@@ -43,6 +43,7 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     if args.ink.style.is_some() {
         return super::render_ink::run(context, args);
     }
+    super::paper_kind::no_vectors(&args.output, None)?;
     if let Some(animation) = Animation::new(&args.motion, &args.output)? {
         return frames(context, args, animation);
     }
@@ -114,21 +115,39 @@ fn frames(context: &Context, args: &RenderArgs, animation: Animation) -> Result<
         timings.add_passes(&rendered.passes);
         Ok(rendered.picture)
     })?;
-    Ok(frames_report(context, &files, settings.size, &timings))
+    Ok(frames_report(
+        context,
+        &files,
+        Drawn::Pixels(settings.size),
+        &timings,
+    ))
+}
+
+/// Size of what was drawn.
+#[derive(Clone, Copy)]
+pub(super) enum Drawn {
+    /// Across and down.
+    Pixels([u32; 2]),
+    /// Width and height, millimetres.
+    Paper([f64; 2]),
 }
 
 /// What was written of a way.
 pub(super) fn frames_report(
     context: &Context,
     files: &[PathBuf],
-    [width, height]: [u32; 2],
+    drawn: Drawn,
     timings: &Timings,
 ) -> Report {
+    let said = match drawn {
+        Drawn::Pixels([w, h]) => format!("{w}x{h}"),
+        Drawn::Paper([w, h]) => format!("{w} x {h} mm"),
+    };
     let mut text = match files {
         [] => String::new(),
-        [one] => format!("{}: {width}x{height}\n", one.display()),
+        [one] => format!("{}: {said}\n", one.display()),
         [first, .., last] => format!(
-            "{} to {}: {} frames, {width}x{height}\n",
+            "{} to {}: {} frames, {said}\n",
             first.display(),
             last.display(),
             files.len()
@@ -137,14 +156,18 @@ pub(super) fn frames_report(
     if context.timings() {
         text += &format!("\n{}", timings.table());
     }
-    let json = json!({
-        "frames": files, "width": width, "height": height, "times": timings.json(),
-    });
+    let times = timings.json();
+    let json = match drawn {
+        Drawn::Pixels([w, h]) => {
+            json!({ "frames": files, "width": w, "height": h, "times": times })
+        }
+        Drawn::Paper(paper) => json!({ "frames": files, "paper_mm": paper, "times": times }),
+    };
     Report::new(text, json)
 }
 
 /// All views of one input.
-struct Drawn {
+struct Views {
     name: String,
     pictures: Vec<Picture>,
     device_bytes: u64,
@@ -156,7 +179,7 @@ fn draw(
     source: &Source,
     views: &[View],
     timings: &mut Timings,
-) -> Result<Drawn> {
+) -> Result<Views> {
     let prepared = Prepared::new(source, &args.model, &args.settings, timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let baked = if views.iter().any(|v| v.needs_bake()) {
@@ -182,7 +205,7 @@ fn draw(
         timings.add_passes(&rendered.passes);
         pictures.push(rendered.picture);
     }
-    Ok(Drawn {
+    Ok(Views {
         name: prepared.input.model.name.clone(),
         pictures,
         device_bytes,

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
+use super::paper_kind::{no_vectors, tell_paper_only};
 use super::recipe::Recipe;
-use super::render::{encode, frames_report};
+use super::render::{Drawn, encode, frames_report};
 use crate::app::animation::Animation;
 use crate::app::cli::RenderArgs;
 use crate::app::output::{PendingFile, check_apart, check_ending};
@@ -31,6 +32,8 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
     if let Some(paper) = PaperStyle::named(named)? {
         return super::render_paper::run(context, args, paper, Recipe::given());
     }
+    no_vectors(&args.output, Some(named))?;
+    tell_paper_only(&Recipe::given());
     if super::render_looks::wanted(&args.ink) {
         return super::render_looks::run(context, args);
     }
@@ -110,7 +113,12 @@ pub fn run(context: &Context, args: &RenderArgs) -> Result<Report> {
             timings.add_passes(&drawing.passes);
             Ok(reduced(&drawing, factor))
         })?;
-        return Ok(frames_report(context, &files, settings.size, &timings));
+        return Ok(frames_report(
+            context,
+            &files,
+            Drawn::Pixels(settings.size),
+            &timings,
+        ));
     }
     let drawing = renderer.draw(&scene, &view)?;
     timings.add_passes(&drawing.passes);

@@ -5,9 +5,10 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::json;
 
+use super::paper_kind::{Kind, chosen_size, counted, ends_in, is_vectors, tell_blank, tell_unused};
 use super::recipe::Recipe;
 use super::redraw;
-use super::render::{encode, frames_report};
+use super::render::{Drawn, encode, frames_report};
 use super::render_ink::reduced_pixels;
 use crate::app::animation::Animation;
 use crate::app::cli::RenderArgs;
@@ -29,7 +30,7 @@ use crate::ink::paper::progress::{Tell, quiet};
 use crate::ink::paper::renderer::{Bitmap, Maps, PaperRenderer, PaperScene};
 use crate::ink::paper::stems::{Told, drawn_stems, known_orders};
 use crate::ink::paper::style::PaperStyle;
-use crate::ink::paper::svg::Drawing;
+use crate::ink::paper::svg::{Drawing, Layer};
 use crate::ink::paper::vectors::StrokePlaces;
 use crate::ink::view::View;
 use crate::render::RenderSettings;
@@ -59,6 +60,7 @@ pub(super) fn run(
     recipe: Recipe,
 ) -> Result<Report> {
     args.ink.check_paper()?;
+    tell_unused(&Recipe::given(), &args.output);
     args.ink.change(&mut style)?;
     picture_settings(None, &args.picture)?;
     check_ending(&args.output, &ENDINGS)?;
@@ -74,9 +76,10 @@ pub(super) fn run(
     let mut timings = Timings::default();
     let prepared = Prepared::new(source, &args.model, &args.settings, &mut timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
+    let size = chosen_size(prepared.input.scene.as_ref(), args, &settings);
     let subject = subject(prepared, &style, &mut timings)?;
     if let Some(animation) = animation {
-        let kind = Kind::of(args, recipe);
+        let kind = Kind::of(args, recipe, size);
         return frames(
             context,
             kind,
@@ -87,18 +90,18 @@ pub(super) fn run(
         );
     }
     let _working = console::working(format!("drawing {} particles", subject.particles.len()));
-    let kind = Kind::of(args, recipe);
-    let board = Board::new(context, kind, style, (&subject, &settings), &mut timings)?;
+    let kind = Kind::of(args, recipe, size);
+    let board = Board::new(context, kind, style, &subject, &mut timings)?;
     let view = subject.view(&settings, board.size, None);
     let (bytes, report) = board.draw(&view, None, &args.output, &mut timings)?;
     if let Some(output) = output {
         output.commit(&bytes)?;
     }
     let mut text = format!(
-        "{}: {}, {} primitives, branches by {}\n",
+        "{}: {}, {}, branches by {}\n",
         args.output.display(),
         report.0,
-        subject.particles.len(),
+        counted(subject.particles.len(), "primitive"),
         subject.told.words()
     );
     if context.timings() {
@@ -218,7 +221,7 @@ fn frames(
     mut timings: Timings,
 ) -> Result<Report> {
     style.vector.strokes = StrokePlaces::Anchored;
-    let mut board = Board::new(context, kind, style, (subject, settings), &mut timings)?;
+    let mut board = Board::new(context, kind, style, subject, &mut timings)?;
     let (lens, origin) = (lens(settings, board.size), subject.prepared.geometry.origin);
     let path = animation.path_about(&settings.camera, lens, origin, subject.points())?;
     let size = board.size;
@@ -236,45 +239,15 @@ fn frames(
         view.depths[1] = view.depths[0] + (farthest - nearest);
         Ok(board.draw(&view, Some(frame), file, &mut timings)?.0)
     })?;
-    Ok(frames_report(context, &files, board.size, &timings))
-}
-
-fn ends_in(file: &Path, ending: &str) -> bool {
-    file.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case(ending))
+    let drawn = match board.factor {
+        Some(factor) => Drawn::Pixels(board.size.map(|s| s / factor)),
+        None => Drawn::Paper(board.style.sheet.paper),
+    };
+    Ok(frames_report(context, &files, drawn, &timings))
 }
 
 /// The bytes of a file, and what to say of it in words and as JSON.
 type Written = (Vec<u8>, (String, serde_json::Value));
-
-/// What kind of files is wanted.
-pub(super) struct Kind<'a> {
-    /// Its name tells it.
-    pub(super) output: &'a Path,
-    /// Of bitmaps: pixels along each axis that become one.
-    pub(super) factor: u32,
-    /// What vectors hold for being drawn again.
-    pub(super) recipe: Recipe,
-}
-
-impl<'a> Kind<'a> {
-    /// Of a file that nobody keeps.
-    pub(super) fn unnamed(output: &'a Path, factor: u32) -> Self {
-        Self {
-            output,
-            factor,
-            recipe: Recipe::default(),
-        }
-    }
-
-    fn of(args: &'a RenderArgs, recipe: Recipe) -> Self {
-        Self {
-            output: &args.output,
-            factor: args.ink.ink_supersample,
-            recipe,
-        }
-    }
-}
 
 /// What draws views of one subject into files of one kind.
 pub(super) struct Board<'a> {
@@ -294,10 +267,10 @@ impl<'a> Board<'a> {
         context: &Context,
         kind: Kind<'_>,
         style: PaperStyle,
-        drawn: (&'a Subject, &RenderSettings),
+        subject: &'a Subject,
         timings: &mut Timings,
     ) -> Result<Self> {
-        Self::on(context.gpu()?, kind, style, drawn, timings)
+        Self::on(context.gpu()?, kind, style, subject, timings)
     }
 
     /// On a device of one's own.
@@ -305,19 +278,20 @@ impl<'a> Board<'a> {
         gpu: &Gpu,
         kind: Kind<'_>,
         mut style: PaperStyle,
-        (subject, settings): (&'a Subject, &RenderSettings),
+        subject: &'a Subject,
         timings: &mut Timings,
     ) -> Result<Self> {
+        // The whole picture is the part of the paper within the margins.
         let free = style.sheet.paper.map(|s| s - 2.0 * style.sheet.margin);
-        let (output, factor) = (kind.output, kind.factor);
-        let vectors = ends_in(output, "svg") || ends_in(output, "pdf");
-        let (size, factor) = if vectors {
-            let pixels = |s: f64| (s * style.sheet.resolution).round().max(1.0) as u32;
+        let pixels = |s: f64| (s * style.sheet.resolution).round().max(1.0) as u32;
+        let (size, factor) = if is_vectors(kind.output) {
             (free.map(pixels), None)
         } else {
-            // The whole picture is the part of the paper within the margins.
-            style.sheet.resolution = f64::from(settings.size[0]) / free[0];
-            (settings.size.map(|s| s * factor), Some(factor))
+            let size = kind.size.unwrap_or_else(|| free.map(pixels));
+            if kind.size.is_some() {
+                style.sheet.resolution = f64::from(size[0]) / free[0];
+            }
+            (size.map(|s| s * kind.factor), Some(kind.factor))
         };
         let scene = subject.scene();
         let renderer =
@@ -375,6 +349,10 @@ impl<'a> Board<'a> {
                 fitted.text().into_bytes()
             }
         });
+        let drawn = |l: &Layer| !l.strokes.is_empty() || !l.areas.is_empty();
+        if !found.layers.iter().any(drawn) {
+            tell_blank(file);
+        }
         let told = told(&found, order);
         Ok((bytes, told))
     }
@@ -405,9 +383,23 @@ impl<'a> Board<'a> {
     ) -> Result<Written> {
         let pixels = self.pixels(view, (factor, frame), timings)?;
         let picture = timings.measure("reduce", || reduced_pixels(self.size, &pixels, factor));
+        if picture
+            .rgba
+            .chunks_exact(4)
+            .all(|p| p == &picture.rgba[..4])
+        {
+            tell_blank(file);
+        }
         let said = format!("{}x{}", picture.width, picture.height);
         let json = json!({ "width": picture.width, "height": picture.height });
-        Ok((encode(&picture, file)?, (said, json)))
+        let bytes = if ends_in(file, "png") {
+            let of_a_metre = (1000.0 * self.style.sheet.resolution).round() as u32;
+            let metadata = self.metadata(view, frame, file)?;
+            picture.to_png_with(of_a_metre, ("umbrage", &metadata))?
+        } else {
+            encode(&picture, file)?
+        };
+        Ok((bytes, (said, json)))
     }
 
     /// What lines are found in.
@@ -454,15 +446,16 @@ fn told(drawing: &Drawing, order: Order) -> (String, serde_json::Value) {
     let content = drawing.content();
     let [w, h] = drawing.paper;
     let mut text = format!(
-        "{w} x {h} mm, {} strokes ({} closed), {:.1} m of line",
-        content.strokes,
+        "{w} x {h} mm, {} ({} closed), {:.1} m of line",
+        counted(content.strokes, "stroke"),
         content.closed,
         content.length / 1000.0
     );
     if order.pen_up[0] > 0.0 {
         text += &format!(", {:.1} m with the pen up", order.pen_up[1] / 1000.0);
     }
-    let layer = |l: &crate::ink::paper::svg::Layer| json!({ "number": l.number, "name": l.name, "strokes": l.strokes.len() });
+    let layer =
+        |l: &Layer| json!({ "number": l.number, "name": l.name, "strokes": l.strokes.len() });
     let json = json!({
         "paper_mm": drawing.paper, "strokes": content.strokes, "closed": content.closed,
         "length_mm": content.length, "pen_up_mm": { "before": order.pen_up[0], "after": order.pen_up[1] },

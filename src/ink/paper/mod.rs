@@ -27,6 +27,7 @@ pub mod polygon;
 pub mod polygon_file;
 pub mod presets;
 pub mod progress;
+pub mod ranges;
 pub mod region;
 pub mod renderer;
 mod silhouette;

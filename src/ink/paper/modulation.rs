@@ -130,7 +130,8 @@ impl Programs {
     }
 
     fn add(&mut self, key: &str, m: &Modulation) -> std::result::Result<(), String> {
-        let mut program = Program::new(&m.by).map_err(|e| format!("{key} = \"{}\": {e}", m.by))?;
+        let mut program =
+            Program::new(&m.by).map_err(|e| format!("{key} = \"{}\": {e}", cut(&m.by)))?;
         let reads = |name: &str| program.reads(name);
         if key.starts_with("stem") && reads("object") {
             return Err(format!("{key}: `object` is known of leaves only"));
@@ -189,6 +190,15 @@ impl Programs {
             }
         }
         Ok(out)
+    }
+}
+
+/// What a message says of an expression.
+fn cut(text: &str) -> String {
+    const MOST: usize = 60;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}..", &text[..end]),
+        None => text.to_owned(),
     }
 }
 
