@@ -60,24 +60,29 @@ done
 # Luft, Balzer, Deussen 2007, figure 7: an edge filter on original and on realigned normals
 "$umbrage" render "$models/oak_medium.glb" --style normal-edges-original --toward normal-edges \
     --share 0,1 --size 310x360 -o "$out/ink-edges.png"
-# Deussen, Strothotte 2000: pixels at once, and vectors
-for style in ds00-fig2 ds00-fig3a ds00-fig3b ds00-fig4a ds00-fig4b ds00-fig4c ds00-fig5 ds00-fig6a ds00-fig6b ds00-fig6c ds00-fig6d \
-    ds00-fig6e ds00-fig6f lenient-sketch plotter-a4; do
+# Deussen, Strothotte 2000: pixels at once, ten a millimetre (the sheet reduces them), and vectors. Grown trees have as many leaves as the paper's.
+# drawing NAME MODEL [OPTION..]: $work/NAME.png and $work/NAME.svg
+drawing() {
+    echo "$1: $2 ${*:3}"
+    "$umbrage" render "$2" "${@:3}" --size "${size:-1860x2730}" --ink-supersample 1 -o "$work/$1.png"
+    "$umbrage" render "$2" "${@:3}" -o "$work/$1.svg"
+}
+for figure in 2:broadleaf:1:8800 3a:broadleaf:1:8800 3b:broadleaf:1:8800 4a:lime:1:6000 4b:lime:1:6000 4c:lime:1:6000 \
+    6a:conifer:1:13200 6b:conifer:1:13200 6c:broadleaf:1:16200 6d:broadleaf:1:2300 6e:broadleaf:1:5000 6f:broadleaf:1:90000; do
+    name=ds00-fig${figure%%:*}
+    drawing "$name" "grow:${figure#*:}" --style "$name"
+done
+# figure 5: a tree at three distances; discs as they are (a), and enlarged up to twice (b)
+for style in ds00-fig5 ds00-fig5b; do
+    for distance in 1 1.7 2.9; do
+        size=2000x2000 drawing "$style-$distance" grow:broadleaf:1:8800 --style $style --camera "25,7,$distance" --paper 124x124
+    done
+done
+# styles on models that nobody here made
+for style in ds00-fig4b ds00-fig4c ds00-fig6a lenient-sketch ds00-fig6f plotter-a4; do
     model=oak_medium
     if [ $style = ds00-fig6f ]; then model=oak_medium_dense; fi
-    "$umbrage" render "$models/$model.glb" --style "$style" -o "$work/$style.png"
-    "$umbrage" render "$models/$model.glb" --style "$style" -o "$work/$style.svg"
-done
-# figure 5: a tree at three distances, in metres; sizes as they are (a), and enlarged up to twice (b)
-for size in 0.0 1.0; do
-    sed -e "s/^constant_size = .*/constant_size = $size/" -e 's/^far = .*/fitted = false\nnear = 95.0\nfar = 1045.0/' \
-        src/ink/paper/presets/ds00-fig5.toml >"$work/distance.toml"
-    for distance in 1 1.7 2.9; do
-        "$umbrage" render "$models/oak_medium.glb" --style "$work/distance.toml" --camera "25,7,$distance" \
-            --paper 115x115 -o "$work/distance-$size-$distance.png"
-        "$umbrage" render "$models/oak_medium.glb" --style "$work/distance.toml" --camera "25,7,$distance" \
-            --paper 115x115 -o "$work/distance-$size-$distance.svg"
-    done
+    "$umbrage" render "$models/$model.glb" --style $style -o "$work/oak-$style.svg"
 done
 # Side by side: whatever rasterises SVG and lays pictures out, here resvg and Pillow.
 if ${PYTHON:-python3} -c 'import PIL, resvg_py' 2>/dev/null; then

@@ -14,9 +14,9 @@ pub struct InkArgs {
     /// Draws instead of showing a view: full, half, leaves, minimal, mixed, normal-edges,
     /// normal-edges-original, outline, photo, pointillist, silhouette-hatching, smooth, toon,
     /// van-gogh, watercolour, or a style or mix file (.toml). On paper, also as vectors (.svg, .pdf):
-    /// ds00-fig2, ds00-fig3a, ds00-fig3b, ds00-fig4a, ds00-fig4b, ds00-fig4c, ds00-fig5, ds00-fig6a,
-    /// ds00-fig6b, ds00-fig6c, ds00-fig6d, ds00-fig6e, ds00-fig6f, crown-hatching, coloured-pens,
-    /// lenient-sketch, plotter-a4, or a file with kind = "paper"
+    /// ds00-fig2, ds00-fig3a, ds00-fig3b, ds00-fig4a, ds00-fig4b, ds00-fig4c, ds00-fig5, ds00-fig5b,
+    /// ds00-fig6a, ds00-fig6b, ds00-fig6c, ds00-fig6d, ds00-fig6e, ds00-fig6f, crown-hatching,
+    /// coloured-pens, lenient-sketch, plotter-a4, or a file with kind = "paper"
     #[arg(long, value_name = "STYLE|FILE", conflicts_with_all = ["view", "compare", "lighting"])]
     pub style: Option<String>,
     /// A second style: with --share, what lies between the two
