@@ -65,6 +65,7 @@ mod paper_modulation;
 mod paper_polygons;
 mod paper_round;
 mod paper_sheet;
+mod paper_silhouettes;
 mod paper_stems;
 mod paper_strokes;
 mod paper_svg;
