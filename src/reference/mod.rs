@@ -28,4 +28,5 @@ pub mod realign;
 pub mod shade;
 pub mod skylight;
 pub mod subset;
+pub mod trace;
 pub mod truth;

@@ -21,6 +21,7 @@ mod lit_shadow;
 mod matrix;
 mod modulate;
 mod paper;
+mod paper_trace;
 mod render;
 mod skylight;
 mod truth;
@@ -113,5 +114,6 @@ pub fn cases() -> Vec<Case> {
     cases.extend(ink_places::cases());
     cases.extend(paper::cases());
     cases.extend(modulate::cases());
+    cases.extend(paper_trace::cases());
     cases
 }
