@@ -37,8 +37,16 @@ void main() {
     if (foliage > 0.0 || stem > 0.0) {
         bool leaf = foliage > 0.0 && (stem <= 0.0 || foliage <= stem);
         vec3 position;
+        float bias = push.bias;
+        float softness = push.softness;
         if (leaf) {
-            position = particles[uint(texelFetch(foliage_number, pixel, 0).r) - 1u].centre;
+            uint number = uint(texelFetch(foliage_number, pixel, 0).r) - 1u;
+            position = particles[number].centre;
+            // Ground hides nothing of itself: its shadow begins at the foot of what throws it.
+            if (number >= push.leaves) {
+                bias = push.ground_bias;
+                softness = push.ground_softness;
+            }
         } else {
             vec2 at = (vec2(pixel) + 0.5 - 0.5 * vec2(push.width, push.height)) * stem / frame.focal;
             position = frame.eye + stem * frame.forward + at.x * frame.right - at.y * frame.up;
@@ -49,7 +57,7 @@ void main() {
         int reach = int(push.reach);
         for (int y = -reach; y <= reach; y++) {
             for (int x = -reach; x <= reach; x++) {
-                sum += clamp((behind(middle + ivec2(x, y), own) - push.bias) / push.softness, 0.0, 1.0);
+                sum += clamp((behind(middle + ivec2(x, y), own) - bias) / softness, 0.0, 1.0);
             }
         }
         sum /= float((2 * reach + 1) * (2 * reach + 1));

@@ -157,6 +157,12 @@ abi! {
             bias: f32,
             /// Way from there to deepest shadow, metres.
             softness: f32,
+            /// Particles of foliage; those after them are ground.
+            leaves: u32,
+            /// The ways for ground, metres.
+            ground_bias: f32,
+            /// To deepest shadow on ground, metres.
+            ground_softness: f32,
         }
 
         /// Push constants of the bitmap.

@@ -95,8 +95,13 @@ pub fn sunlit(maps: &Sunlit<'_>, push: &PaperSunlit, x: i64, y: i64) -> f64 {
         return 0.0;
     }
     let frame = maps.frame;
+    let (mut bias, mut softness) = (push.bias, push.softness);
     let position = if foliage > 0.0 && (stem <= 0.0 || foliage <= stem) {
-        vector(maps.particles[maps.foliage_number[here] as usize - 1].centre)
+        let number = maps.foliage_number[here] as usize - 1;
+        if number >= push.leaves as usize {
+            (bias, softness) = (push.ground_bias, push.ground_softness);
+        }
+        vector(maps.particles[number].centre)
     } else {
         let half = 0.5 * DVec2::new(f64::from(push.width), f64::from(push.height));
         let at =
@@ -122,7 +127,7 @@ pub fn sunlit(maps: &Sunlit<'_>, push: &PaperSunlit, x: i64, y: i64) -> f64 {
         );
         let nearest = if f > 0.0 && (s <= 0.0 || f < s) { f } else { s };
         let behind = if nearest > 0.0 { own - nearest } else { 0.0 };
-        sum += ((behind - f64::from(push.bias)) / f64::from(push.softness)).clamp(0.0, 1.0);
+        sum += ((behind - f64::from(bias)) / f64::from(softness)).clamp(0.0, 1.0);
     }
     sum / ((2 * reach + 1) * (2 * reach + 1)) as f64
 }

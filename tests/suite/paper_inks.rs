@@ -166,6 +166,46 @@ fn bitmaps_have_the_inks_of_lines_and_of_shadow() {
 }
 
 #[test]
+fn shadow_on_the_ground_begins_at_the_foot_of_what_throws_it() {
+    let style = style("[shadow]\nform = \"black\"\n[ground]\nsize = 0.1\n");
+    // A board that stands upright on a field of small discs, the sun to its right.
+    let mut geometry = backdrop();
+    geometry.positions.extend([
+        Vec3::new(0.0, -2.0, -6.4),
+        Vec3::new(0.0, -2.0, -5.6),
+        Vec3::new(0.0, 1.0, -6.4),
+        Vec3::new(0.0, 1.0, -5.6),
+    ]);
+    geometry.normals.extend([Vec3::X; 4]);
+    let field = |i: u32| {
+        let [x, z] = [i % 80, i / 80].map(|k| (k as f32 - 40.0) * 0.08);
+        crate::paper::particle(Vec3::new(x, -2.0, z - 6.0), i)
+    };
+    let particles: Vec<Particle> = (0..80 * 60).map(field).collect();
+    let scene = PaperScene {
+        geometry: &geometry,
+        stems: &[3, 4, 5, 4, 6, 5],
+        particles: &particles,
+        leaves: 0,
+    };
+    let mut view = view();
+    view.to_sun = Vec3::new(0.6, 0.8, 0.0);
+    let renderer = PaperRenderer::new(&fixture::gpu(), &scene, &style, SIZE).unwrap();
+    let maps = renderer.maps(&scene, &view).unwrap();
+    let shadow_of = |inside: &dyn Fn(Vec3) -> bool| -> Vec<f32> {
+        let seen = maps.foliage_number.iter().zip(&maps.shadow);
+        seen.filter(|(n, _)| **n > 0 && inside(particles[**n as usize - 1].centre))
+            .map(|(_, s)| *s)
+            .collect()
+    };
+    let behind = shadow_of(&|p| (-0.6..-0.25).contains(&p.x) && (p.z + 6.0).abs() < 0.25);
+    let before = shadow_of(&|p| p.x > 0.1);
+    assert!(behind.len() > 20 && before.len() > 1000);
+    assert!(behind.iter().all(|&s| s > 0.95), "{behind:?}");
+    assert!(before.iter().all(|&s| s == 0.0), "ground throws shadows");
+}
+
+#[test]
 fn pictures_have_the_inks_of_their_strokes() {
     let place = Place::new();
     drawn(

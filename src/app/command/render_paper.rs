@@ -29,7 +29,7 @@ use crate::ink::paper::pdf::pdf;
 use crate::ink::paper::progress::{Tell, quiet};
 use crate::ink::paper::renderer::{Bitmap, Maps, PaperRenderer, PaperScene};
 use crate::ink::paper::stems::{Told, drawn_stems, known_orders};
-use crate::ink::paper::style::PaperStyle;
+use crate::ink::paper::style::{PaperStyle, ShadowForm};
 use crate::ink::paper::svg::{Drawing, Layer};
 use crate::ink::paper::vectors::StrokePlaces;
 use crate::ink::view::View;
@@ -77,6 +77,10 @@ pub(super) fn run(
     let prepared = Prepared::new(source, &args.model, &args.settings, &mut timings)?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
     let size = chosen_size(prepared.input.scene.as_ref(), args, &settings);
+    if settings.sun.direction().y <= 0.0 && style.shadow.form != ShadowForm::None {
+        log::warn!("the sun is below the horizon: no shadow is drawn");
+        style.shadow.form = ShadowForm::None;
+    }
     let subject = subject(prepared, &style, &mut timings)?;
     if let Some(animation) = animation {
         let kind = Kind::of(args, recipe, size);

@@ -211,6 +211,9 @@ fn sunlit(gpu: &Gpu) -> Result<Outcome> {
         reach: 1,
         bias: 0.3,
         softness: 1.5,
+        leaves: particles.len() as u32 / 2,
+        ground_bias: 0.02,
+        ground_softness: 0.4,
     };
     let plain = gpu.sampler(&SamplerInfo::default())?;
     let buffers = [gpu.upload("camera", &[frame])?, gpu.upload("sun", &[sun])?];

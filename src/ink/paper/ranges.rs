@@ -51,6 +51,8 @@ impl PaperStyle {
             ("vector.cell".into(), self.vector.cell, 0.0, 1e9),
             ("ground.size".into(), self.ground.size, 0.001, 10.0),
             ("ground.extent".into(), self.ground.extent, 0.1, 20.0),
+            ("ground.bias".into(), self.ground.bias, 0.0, 10.0),
+            ("ground.softness".into(), self.ground.softness, 0.001, 10.0),
             ("sheet.paper".into(), sheet.paper[0], 10.0, 5000.0),
             ("sheet.paper".into(), sheet.paper[1], 10.0, 5000.0),
             ("sheet.margin".into(), sheet.margin, 0.0, 500.0),

@@ -403,10 +403,11 @@ impl PaperRenderer {
             if !sun.shows(view, &particles, !is_round(&self.style)) {
                 let (eye, frame) = sun.eye(scene.geometry, view);
                 work.upload("sun frame", &sun.frame, &[frame])?;
-                self.draw_foliage(&mut work, &eye, particles.len() as u32)?;
+                // Ground throws no shadow.
+                self.draw_foliage(&mut work, &eye, scene.leaves as u32)?;
                 self.draw_stems(&mut work, &eye, scene)?;
             }
-            self.sunlit(&mut work, sun, view)?;
+            self.sunlit(&mut work, sun, (view, scene.leaves))?;
         }
         if let Some(factors) = &self.factors {
             let read = Read {
@@ -421,7 +422,7 @@ impl PaperRenderer {
         Ok((work, particles))
     }
 
-    fn sunlit(&self, work: &mut Work, sun: &SunMap, view: &View) -> Result<()> {
+    fn sunlit(&self, work: &mut Work, sun: &SunMap, (view, leaves): (&View, usize)) -> Result<()> {
         let sampled = |image| Binding::Sampled(image, &self.plain);
         let bindings = [
             Binding::Read(&self.frame),
@@ -434,7 +435,7 @@ impl PaperRenderer {
             sampled(&sun.stems[0]),
             Binding::StorageWrite(&sun.shadow),
         ];
-        let push = sun.push(&self.style, self.size, view);
+        let push = sun.push(&self.style, (self.size, leaves), view);
         work.compute(
             "paper shadow",
             &sun.kernel,

@@ -333,6 +333,11 @@ pub struct Ground {
     pub size: f64,
     /// Radius of the ground in half widths of the plants, 0.1 to 20.
     pub extent: f64,
+    /// Way behind what the sun sees first that is still lit, in the paper's unit, 0 to 10. Ground hides
+    /// nothing of itself: at 0 shadows begin at the foot of what throws them.
+    pub bias: f64,
+    /// Way from there to the deepest shadow, in the paper's unit, 0.001 to 10.
+    pub softness: f64,
     /// Colour of the shadow's ink on it, sRGB, 0 to 1; none: that of the shadow's pen.
     pub colour: Option<[f32; 3]>,
 }
@@ -343,6 +348,8 @@ impl Default for Ground {
             count: 0,
             size: 0.2,
             extent: 1.6,
+            bias: 0.05,
+            softness: 0.2,
             colour: None,
         }
     }

@@ -123,7 +123,12 @@ impl SunMap {
         (eye, frame)
     }
 
-    pub(super) fn push(&self, style: &PaperStyle, size: [u32; 2], view: &View) -> PaperSunlit {
+    pub(super) fn push(
+        &self,
+        style: &PaperStyle,
+        (size, leaves): ([u32; 2], usize),
+        view: &View,
+    ) -> PaperSunlit {
         let unit = unit(view);
         PaperSunlit {
             width: size[0],
@@ -132,6 +137,9 @@ impl SunMap {
             reach: style.shadow.reach,
             bias: (style.shadow.bias * unit) as f32,
             softness: (style.shadow.softness * unit) as f32,
+            leaves: leaves as u32,
+            ground_bias: (style.ground.bias * unit) as f32,
+            ground_softness: (style.ground.softness * unit) as f32,
         }
     }
 }
