@@ -46,7 +46,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn dispatch(context: &Context, command: &Command) -> Result<Report> {
     let computes = !matches!(
         command,
-        Command::Grow(_) | Command::Settings(_) | Command::Ink(_)
+        Command::Grow(_) | Command::Settings(_) | Command::Style(_) | Command::Ink(_)
     );
     if computes {
         context.check_device()?;
@@ -63,6 +63,7 @@ fn dispatch(context: &Context, command: &Command) -> Result<Report> {
         Command::Leaf(args) => command::leaf::run(context, args),
         Command::Info(args) => command::info::run(context, args),
         Command::Settings(args) => command::settings::run(context, args),
+        Command::Style(args) => command::style::run(context, args),
         Command::Tradeoff(args) => tradeoff::run(context, args),
     }
 }

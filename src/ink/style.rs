@@ -400,6 +400,11 @@ impl Style {
         }
         let Some((_, text)) = PRESETS.iter().find(|p| p.0 == name) else {
             let paper = super::paper::presets::PRESETS.iter().map(|p| p.0);
+            if paper.clone().any(|p| p == name) {
+                return Err(Error::usage(format!(
+                    "style `{name}`: draws on paper; expected a style of pictures in real time"
+                )));
+            }
             let names: Vec<&str> = PRESETS.iter().map(|p| p.0).chain(paper).collect();
             return Err(Error::usage(format!(
                 "style `{name}`: expected {} or a file (.toml)",

@@ -68,6 +68,7 @@ mod paper_sheet;
 mod paper_silhouettes;
 mod paper_stems;
 mod paper_strokes;
+mod paper_style;
 mod paper_svg;
 mod place;
 mod properties;

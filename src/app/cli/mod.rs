@@ -9,6 +9,7 @@ pub mod leaf;
 pub mod light;
 pub mod motion;
 mod ranges;
+pub mod style;
 pub mod tables;
 
 use clap::{Parser, Subcommand};
@@ -21,6 +22,7 @@ pub use global::GlobalArgs;
 pub use ink_strokes::InkCommandArgs;
 pub use leaf::LeafArgs;
 pub use light::LightArgs;
+pub use style::StyleArgs;
 
 use super::tradeoff::TradeoffArgs;
 
@@ -81,6 +83,9 @@ pub enum Command {
     /// Write the strokes of a style, to be painted over
     #[command(after_help = InkCommandArgs::EXAMPLES)]
     Ink(InkCommandArgs),
+    /// List the styles of drawings, or write one as a file with every key
+    #[command(after_help = StyleArgs::EXAMPLES)]
+    Style(StyleArgs),
     /// List every setting with unit, range, default and what it trades
     #[command(after_help = SettingsArgs::EXAMPLES)]
     Settings(SettingsArgs),

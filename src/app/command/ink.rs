@@ -6,6 +6,7 @@ use crate::abi::INK_LEVELS;
 use crate::app::cli::ink_strokes::{InkCommandArgs, InkPart, StrokesArgs, StrokesWhat};
 use crate::app::output::{PendingFile, check_ending};
 use crate::app::{Context, Report};
+use crate::ink::paper::style::PaperStyle;
 use crate::ink::strokes::painted::picture;
 use crate::ink::strokes::{Stroke, Tile, band_of, band_strokes, level_size, tile_of};
 use crate::ink::style::Style;
@@ -31,6 +32,12 @@ pub fn run(context: &Context, args: &InkCommandArgs) -> Result<Report> {
 }
 
 fn strokes(args: &StrokesArgs) -> Result<Report> {
+    if PaperStyle::named(&args.style)?.is_some() {
+        return Err(Error::usage(format!(
+            "ink strokes: `{0}` draws on paper and has no painted strokes; `umbrage style {0} -o own.toml` writes the style",
+            args.style
+        )));
+    }
     let style = Style::named(&args.style)?;
     check_ending(&args.output, &["png", "toml"])?;
     let output = PendingFile::create(&args.output)?;

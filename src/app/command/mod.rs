@@ -25,4 +25,5 @@ pub mod render_lit;
 mod render_looks;
 pub mod render_paper;
 pub mod settings;
+pub mod style;
 pub mod surface;

@@ -31,7 +31,8 @@ use crate::scene::{ImageSource, textures};
 use crate::{Error, Result};
 
 /// Built-in mixes: name and file.
-const MIXES: [(&str, &str); 1] = [("mixed", include_str!("../presets/mixed.toml"))];
+/// Built-in mixes: name and file.
+pub const MIXES: [(&str, &str); 1] = [("mixed", include_str!("../presets/mixed.toml"))];
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

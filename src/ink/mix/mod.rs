@@ -6,7 +6,7 @@ mod plan;
 mod regions;
 mod rule;
 
-pub use file::short;
+pub use file::{MIXES, short};
 pub use plan::{MixPlan, PlannedImage};
 pub use regions::Regions;
 pub use rule::{Mask, Mix, Part, Span};

@@ -34,6 +34,7 @@ mod silhouette;
 mod sizes;
 pub mod stems;
 pub mod style;
+pub mod style_table;
 mod sun;
 pub mod svg;
 pub mod tiles;
