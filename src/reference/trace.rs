@@ -294,12 +294,12 @@ mod tests {
 
     #[test]
     fn a_square_with_a_hole_has_two_outlines() {
-        let rows: Vec<String> = (0..12)
-            .map(|y| {
-                let hole = |x: i32| (4..8).contains(&x) && (4..8).contains(&y);
-                (0..12).map(|x| if hole(x) { '.' } else { '#' }).collect()
-            })
-            .collect();
+        let row = |y: i32| {
+            let within = |a: i32, b: i32, x: i32| (a..b).contains(&x) && (a..b).contains(&y);
+            let mark = |x: i32| within(2, 14, x) && !within(6, 10, x);
+            (0..16).map(|x| if mark(x) { '#' } else { '.' }).collect()
+        };
+        let rows: Vec<String> = (0..16).map(row).collect();
         let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
         let (size, marked) = marks(&rows);
         let found = areas(&Marks {
@@ -307,7 +307,7 @@ mod tests {
             marked: &marked,
         });
         assert_eq!(found.outlines.len(), 2);
-        assert!((found.area - 128.0).abs() < 6.0, "{}", found.area);
+        assert!((found.area - 128.0).abs() < 2.0, "{}", found.area);
     }
 
     #[test]
