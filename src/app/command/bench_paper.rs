@@ -54,7 +54,7 @@ pub fn run(context: &Context, args: &BenchArgs) -> Result<Report> {
             &mut Timings::default(),
         )?;
         let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
-        let subject = subject(prepared, &style, &mut Timings::default())?;
+        let subject = subject(prepared, (&style, &settings), &mut Timings::default())?;
         for (kind, file) in KINDS {
             let file = Path::new(file);
             let mut once = Timings::default();

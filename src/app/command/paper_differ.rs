@@ -36,7 +36,7 @@ pub(super) fn run(context: &Context, args: &DifferArgs, style: &PaperStyle) -> R
         &mut timings,
     )?;
     let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
-    let subject = subject(prepared, style, &mut timings)?;
+    let subject = subject(prepared, (style, &settings), &mut timings)?;
     let factor = args.ink_supersample;
     let _working = console::working("drawing");
     let mut drawings = Vec::new();

@@ -24,7 +24,7 @@ use crate::ink::paper::anchored::cell_of;
 use crate::ink::paper::drawing::{Order, sort, traced};
 use crate::ink::paper::fit::FitSettings;
 use crate::ink::paper::laid::{lay, strokes_of};
-use crate::ink::paper::particles::{Particle, ground, particles};
+use crate::ink::paper::particles::{Particle, ground, particles, shadows_on_ground};
 use crate::ink::paper::pdf::pdf;
 use crate::ink::paper::progress::{Tell, quiet};
 use crate::ink::paper::renderer::{Bitmap, Maps, PaperRenderer, PaperScene};
@@ -47,6 +47,8 @@ pub(super) struct Subject {
     told: Told,
     particles: Vec<Particle>,
     leaves: usize,
+    /// Places of the ground that are to be seen.
+    shadows: Vec<Vec3>,
 }
 
 /// Draws the model on paper; vectors hold the `recipe`.
@@ -81,7 +83,7 @@ pub(super) fn run(
         log::warn!("the sun is below the horizon: no shadow is drawn");
         style.shadow.form = ShadowForm::None;
     }
-    let subject = subject(prepared, &style, &mut timings)?;
+    let subject = subject(prepared, (&style, &settings), &mut timings)?;
     if let Some(animation) = animation {
         let kind = Kind::of(args, recipe, size);
         return frames(
@@ -122,7 +124,7 @@ pub(super) fn run(
 
 pub(super) fn subject(
     prepared: Prepared,
-    style: &PaperStyle,
+    (style, settings): (&PaperStyle, &RenderSettings),
     timings: &mut Timings,
 ) -> Result<Subject> {
     let split = prepared.split()?;
@@ -154,12 +156,15 @@ pub(super) fn subject(
     }
     let leaves = particles.len();
     particles.extend(ground(&geometry.positions, &style.ground, style.seed));
+    let to_sun = settings.sun.direction().as_vec3();
+    let shadows = shadows_on_ground(&geometry.positions, &style.ground, to_sun);
     Ok(Subject {
         prepared,
         stems,
         told,
         particles,
         leaves,
+        shadows,
     })
 }
 
@@ -178,15 +183,10 @@ impl Subject {
         }
     }
 
-    /// Everything that is seen whole: the plants, and the ground.
+    /// Everything that is seen whole: the plants, and what lies in their shadow.
     fn points(&self) -> impl Iterator<Item = Vec3> + Clone {
-        let ground = self.particles[self.leaves..].iter().map(|p| p.centre);
-        self.prepared
-            .geometry
-            .positions
-            .iter()
-            .copied()
-            .chain(ground)
+        let plants = self.prepared.geometry.positions.iter();
+        plants.chain(&self.shadows).copied()
     }
 
     /// From `camera`, or from where the settings say.

@@ -90,16 +90,9 @@ fn twigs(all: &[Particle], wanted: f64) -> Result<Clusters> {
 /// Particles of the ground about the plants: on the level of their lowest point, evenly over a disc.
 #[must_use]
 pub fn ground(positions: &[Vec3], ground: &Ground, seed: u32) -> Vec<Particle> {
-    let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
-    let high = positions
-        .iter()
-        .copied()
-        .fold(Vec3::NEG_INFINITY, Vec3::max);
-    if !low.is_finite() {
+    let Some((middle, radius)) = disc(positions, ground) else {
         return Vec::new();
-    }
-    let middle = 0.5 * (low + high);
-    let radius = 0.5 * (high - low).x.max((high - low).z) * ground.extent as f32;
+    };
     let particle = |number: u32| {
         let seed = pcg(number ^ pcg(!seed));
         let angle = std::f64::consts::TAU * uniform(seed, 3);
@@ -108,7 +101,7 @@ pub fn ground(positions: &[Vec3], ground: &Ground, seed: u32) -> Vec<Particle> {
         Particle {
             centre: Vec3::new(
                 middle.x + way * cos as f32,
-                low.y,
+                middle.y,
                 middle.z + way * sin as f32,
             ),
             normal: Vec3::Y,
@@ -118,6 +111,41 @@ pub fn ground(positions: &[Vec3], ground: &Ground, seed: u32) -> Vec<Particle> {
         }
     };
     (0..ground.count).map(particle).collect()
+}
+
+/// Middle and radius of the ground; none under nothing.
+fn disc(positions: &[Vec3], ground: &Ground) -> Option<(Vec3, f32)> {
+    let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+    let high = positions
+        .iter()
+        .copied()
+        .fold(Vec3::NEG_INFINITY, Vec3::max);
+    let radius = 0.5 * (high - low).x.max((high - low).z) * ground.extent as f32;
+    let middle = 0.5 * (low + high);
+    low.is_finite()
+        .then_some((Vec3::new(middle.x, low.y, middle.z), radius))
+}
+
+/// Where on the ground the shadows of `positions` lie, at its edge where they fall beyond: what of
+/// it is to be seen. Nothing where there is no ground or no sun above it.
+#[must_use]
+pub fn shadows_on_ground(positions: &[Vec3], ground: &Ground, to_sun: Vec3) -> Vec<Vec3> {
+    let Some((middle, radius)) = disc(positions, ground) else {
+        return Vec::new();
+    };
+    if ground.count == 0 || to_sun.y <= 0.0 {
+        return Vec::new();
+    }
+    let fall = |&p: &Vec3| {
+        let away = p - to_sun * ((p.y - middle.y) / to_sun.y) - middle;
+        let reach = (radius / away.length().max(f32::MIN_POSITIVE)).min(1.0);
+        middle + away * reach
+    };
+    positions
+        .iter()
+        .map(fall)
+        .filter(|p| p.is_finite())
+        .collect()
 }
 
 /// Metres of a length in the paper's unit, in which the plants' depths span ten.
@@ -223,6 +251,35 @@ mod tests {
             material: 0,
             instance: 0,
         }
+    }
+
+    #[test]
+    fn what_is_seen_of_the_ground_is_where_shadows_fall() {
+        let positions = [
+            Vec3::new(-1.0, 0.0, -1.0),
+            Vec3::new(1.0, 2.0, 1.0),
+            Vec3::new(0.0, 8.0, 0.0),
+        ];
+        let field = Ground {
+            count: 10,
+            extent: 3.0,
+            ..Ground::default()
+        };
+        let to_sun = Vec3::new(0.6, 0.8, 0.0);
+        let found = shadows_on_ground(&positions, &field, to_sun);
+        // The foot's lies at the foot; a tall one's at the ground's edge, 3 metres away.
+        let wanted = [
+            positions[0],
+            Vec3::new(-0.5, 0.0, 1.0),
+            Vec3::new(-3.0, 0.0, 0.0),
+        ];
+        assert!(
+            found.iter().zip(wanted).all(|(f, w)| f.distance(w) < 1e-5),
+            "{found:?}"
+        );
+        assert!(shadows_on_ground(&positions, &Ground::default(), to_sun).is_empty());
+        assert!(shadows_on_ground(&positions, &field, -to_sun).is_empty());
+        assert!(shadows_on_ground(&[], &field, to_sun).is_empty());
     }
 
     #[test]
