@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::curve::Polyline;
 use super::fit::{FitSettings, distance_to_segment, fit};
+use crate::math::hashing::WordHash;
 
 /// Points in square cells.
 struct Grid {
@@ -191,14 +192,14 @@ pub fn pen_up(lines: &[Polyline], start: DVec2) -> f64 {
 /// that they stand for, what lies along another goes too.
 #[must_use]
 pub fn ordered(lines: &[Polyline], gap: f64, curves: &FitSettings) -> Vec<Polyline> {
-    let mut lines = joined(sorted(without_repeats(lines, gap), DVec2::ZERO), gap);
-    for _ in 0..ROUNDS {
+    let mut lines = lines.to_vec();
+    for round in 0..ROUNDS {
         let written: Vec<Polyline> = lines
             .par_iter()
-            .map(|l| fit(l, curves).flattened(0.25 * gap))
+            .map(|l| fit(l, curves).flattened(0.5 * gap))
             .collect();
         let kept = kept(&written, gap);
-        if kept.iter().all(Option::is_none) {
+        if round > 0 && kept.iter().all(Option::is_none) {
             break;
         }
         let pieces = lines.into_iter().zip(kept);
@@ -208,7 +209,7 @@ pub fn ordered(lines: &[Polyline], gap: f64, curves: &FitSettings) -> Vec<Polyli
     lines
 }
 
-/// Rounds in which curves are held against each other at most; the second hardly ever finds any.
+/// Rounds in which curves are held against each other at most.
 const ROUNDS: u32 = 6;
 
 /// Lines without what is drawn already, by an earlier one or by themselves: pieces that run along it
@@ -236,15 +237,30 @@ fn kept(lines: &[Polyline], gap: f64) -> Vec<Option<Vec<Polyline>>> {
     lines.iter().map(one).collect()
 }
 
-/// Points about `step` apart along the whole line; of a ring the first comes again.
+/// Points `step` apart or a little less along the whole line, whatever its own; of a ring the first
+/// comes again.
 fn resampled(line: &Polyline, step: f64) -> Vec<DVec2> {
     let round: Vec<DVec2> = line.round().collect();
-    let mut out = Vec::new();
+    let (Some(&first), Some(&last)) = (round.first(), round.last()) else {
+        return Vec::new();
+    };
+    let count = (line.length() / step).ceil().clamp(1.0, 1e7);
+    let each = line.length() / count;
+    let mut out = vec![first];
+    // Way along the line to the next point.
+    let mut left = each;
     for p in round.windows(2) {
-        let count = (p[0].distance(p[1]) / step).ceil().clamp(1.0, 1e6) as u32;
-        out.extend((0..count).map(|k| p[0].lerp(p[1], f64::from(k) / f64::from(count))));
+        let length = p[0].distance(p[1]);
+        let mut at = left;
+        while at < length && out.len() < count as usize {
+            out.push(p[0].lerp(p[1], at / length));
+            at += each;
+        }
+        left = at - length;
     }
-    out.extend(round.last());
+    if round.len() > 1 {
+        out.push(last);
+    }
     out
 }
 
@@ -253,17 +269,23 @@ const TOUCH: usize = 5;
 /// So many points behind the pen are not what a line may repeat of itself.
 const BEHIND: usize = 8;
 
-/// What is drawn: short segments, by the cells that they start in.
+/// A short piece of what is drawn.
+struct Piece {
+    ends: [DVec2; 2],
+    way: DVec2,
+}
+
+/// What is drawn, by the cells that its pieces start in.
 struct Drawn {
     gap: f64,
-    cells: HashMap<IVec2, Vec<[DVec2; 2]>>,
+    cells: HashMap<IVec2, Vec<Piece>, WordHash>,
 }
 
 impl Drawn {
     fn new(gap: f64) -> Self {
         Self {
             gap,
-            cells: HashMap::new(),
+            cells: HashMap::default(),
         }
     }
 
@@ -277,16 +299,17 @@ impl Drawn {
         (p / (self.gap + self.step())).floor().as_ivec2()
     }
 
-    fn add(&mut self, segment: [DVec2; 2]) {
-        let key = self.key(segment[0]);
-        self.cells.entry(key).or_default().push(segment);
+    fn add(&mut self, ends: [DVec2; 2]) {
+        let key = self.key(ends[0]);
+        let way = (ends[1] - ends[0]).normalize_or_zero();
+        self.cells.entry(key).or_default().push(Piece { ends, way });
     }
 
     fn covers(&self, p: DVec2, way: DVec2) -> bool {
         let middle = self.key(p);
-        let near = |&[a, b]: &[DVec2; 2]| {
-            let other = (b - a).normalize_or_zero();
-            other.dot(way).abs() > 0.97 && distance_to_segment(p, a, b) < self.gap
+        let near = |piece: &Piece| {
+            let [a, b] = piece.ends;
+            piece.way.dot(way).abs() > 0.97 && distance_to_segment(p, a, b) < self.gap
         };
         (0..9).any(|k| {
             let cell = middle + IVec2::new(k % 3 - 1, k / 3 - 1);
