@@ -558,6 +558,11 @@ mod tests {
         let out = ordered(&lines, 0.1, &curves);
         let left = doubled(&written(&out), 0.099, 0.04);
         assert!(left < 0.3, "{left} mm twice");
+        let least = out
+            .iter()
+            .map(Polyline::length)
+            .fold(f64::INFINITY, f64::min);
+        assert!(least > 0.15, "a speck of {least} mm is left");
         // No more went than lies along another.
         let [all, kept] = [&lines, &out].map(|l| l.iter().map(Polyline::length).sum::<f64>());
         assert!(kept > 0.6 * all && kept < 0.9 * all, "{kept} of {all}");
