@@ -10,10 +10,14 @@ layout(push_constant, scalar) uniform Push { PaperStem push; };
 
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
+layout(location = 2) in float in_width;
 layout(location = 0) out float out_depth;
 layout(location = 1) out vec4 out_normal;
 
 void main() {
+    if (in_width < push.thin) {
+        discard;
+    }
     precise vec3 n = in_normal / sqrt(in_normal.x * in_normal.x + in_normal.y * in_normal.y + in_normal.z * in_normal.z);
     n = gl_FrontFacing ? n : -n;
     out_depth = dot(in_position - frame.eye, frame.forward);

@@ -119,6 +119,8 @@ abi! {
         PaperStem {
             /// Light from all around, 0 to 1.
             ambient: f32,
+            /// Pixels below which branches are not drawn; 0: all are.
+            thin: f32,
         }
 
         /// Push constants of depth differences.

@@ -62,6 +62,7 @@ mod paper_limits;
 mod paper_lines;
 mod paper_measures;
 mod paper_modulation;
+mod paper_pieces;
 mod paper_polygons;
 mod paper_round;
 mod paper_sheet;

@@ -15,7 +15,7 @@ use crate::place::{Place, stderr};
 const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
 const RED_STEMS: &str = "format_version = 1\nkind = \"paper\"\ndescription = \"x\"\n\
     [primitive]\nsize = 0.3\n\
-    [stem]\npen = { colour = [1.0, 0.0, 0.0] }\nhatching_pen = { colour = [1.0, 0.5, 0.0] }\n\
+    [stem]\nstub = 0.0\nsingle = 0.0\npen = { colour = [1.0, 0.0, 0.0] }\nhatching_pen = { colour = [1.0, 0.5, 0.0] }\n\
     [foliage]\npen = { colour = [0.0, 1.0, 0.0] }\n\
     [shadow]\nbias = 0.1\nsoftness = 0.2\nblack = 0.1\nhatching = 0.9\npen = { colour = [0.0, 0.0, 1.0] }\nform = FORM\n\
     [ground]\ncount = 1000\nGROUND\n[sheet]\nink = [0.2, 0.2, 0.2]\n";

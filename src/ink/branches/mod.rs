@@ -6,6 +6,7 @@
 
 mod along;
 mod axes;
+pub mod limbs;
 pub mod order;
 mod surface;
 

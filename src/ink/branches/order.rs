@@ -36,12 +36,14 @@ struct Section {
     middle: DVec3,
     radius: f64,
     along: f64,
+    /// Vertices in it.
+    count: f64,
 }
 
 /// A connected piece of the surface.
 #[derive(Debug, Clone, Default)]
-struct Tube {
-    nodes: Vec<u32>,
+pub(super) struct Tube {
+    pub(super) nodes: Vec<u32>,
     area: f64,
     /// From the thick end to the thin one.
     sections: Vec<Section>,
@@ -53,6 +55,16 @@ struct Tube {
 impl Tube {
     fn radius(&self) -> f64 {
         self.sections[0].radius
+    }
+
+    /// Whether it is one, rather than a surface of any other form.
+    pub(super) fn is_narrow(&self) -> bool {
+        self.narrow
+    }
+
+    /// Middles of its sections, their radii (metres) and how many vertices they have.
+    pub(super) fn axis(&self) -> impl Iterator<Item = (DVec3, f64, f64)> {
+        self.sections.iter().map(|s| (s.middle, s.radius, s.count))
     }
 
     fn length(&self) -> f64 {
@@ -201,7 +213,7 @@ fn is_fork(tube: &Tube, other: &Tube, there: f64, along: f64) -> bool {
 }
 
 /// The connected pieces of a surface.
-fn tubes(surface: &Surface) -> Vec<Tube> {
+pub(super) fn tubes(surface: &Surface) -> Vec<Tube> {
     let count = surface.places.len();
     let mut seen = vec![false; count];
     let mut pieces = Vec::new();
@@ -322,6 +334,7 @@ fn tube(surface: &Surface, nodes: Vec<u32>) -> Tube {
             middle: middles[b],
             radius: sums[b].2 / sums[b].1,
             along: 0.0,
+            count: sums[b].1,
         })
         .collect();
     // The first section holds the end's cap: its neighbour tells the radius.

@@ -97,8 +97,8 @@ pub fn strokes(
         let half = 0.5 * scatter * settings.length * way(x, y);
         let beside = half.perp().normalize_or_zero() * settings.width;
         let count = (wanted + uniform(seed, 3)).floor().min(8.0) as u32;
-        let strokes =
-            (0..count).filter_map(|k| clipped(tone, middle + f64::from(k) * beside, half));
+        let strokes = (0..count)
+            .filter_map(|k| clipped(tone, middle + f64::from(k) * beside, half, settings));
         found.extend(strokes.map(|stroke| (at, stroke)));
     }
     // The map has no order of its own.
@@ -224,6 +224,8 @@ mod tests {
             width: 3.0,
             threshold: 0.5,
             seed: 3,
+            stub: 0.0,
+            inset: 0.0,
         };
         let found = strokes(&tone, &settings, &surface, |_, _| DVec2::X);
         (view, found)

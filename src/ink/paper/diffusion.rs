@@ -31,6 +31,10 @@ pub struct DiffusionSettings {
     pub threshold: f64,
     /// Seed of the lengths' scatter.
     pub seed: u32,
+    /// Strokes that are cut to less than this share of their length are not drawn, 0 (all are) to 1.
+    pub stub: f64,
+    /// Way that strokes which are cut stay within where drawing is allowed, pixels.
+    pub inset: f64,
 }
 
 /// A straight stroke, pixels.
@@ -74,16 +78,32 @@ pub fn strokes(
                 let scatter = 0.75 + 0.5 * uniform(settings.seed, place);
                 let middle = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
                 let half = 0.5 * settings.length * scatter * direction(x, y);
-                if let Some(stroke) = clipped(tone, middle, half) {
+                if let Some(stroke) = clipped(tone, middle, half, settings) {
                     error -= field.draw(&stroke, settings.width);
                     out.push(stroke);
+                } else {
+                    // Left for its neighbours; where none is ever drawn little of it is kept.
+                    error = error.min(0.25 * settings.length * settings.width);
                 }
             }
             let (ahead, behind) = if forth { (x + 2, x) } else { (x, x + 2) };
-            rest[0][ahead] += error * 7.0 / 16.0;
-            rest[1][behind] += error * 3.0 / 16.0;
-            rest[1][x + 1] += error * 5.0 / 16.0;
-            rest[1][ahead] += error / 16.0;
+            let open = |row: usize, column: usize| {
+                let inside = row < h && (1..=w).contains(&column);
+                inside && tone.darkness[row * w + column - 1] >= 0.0
+            };
+            let ways = [
+                (0, ahead, 7.0),
+                (1, behind, 3.0),
+                (1, x + 1, 5.0),
+                (1, ahead, 1.0),
+            ];
+            // All of it goes to where it can be drawn.
+            let ways =
+                ways.map(|(k, to, share)| (k, to, if open(y + k, to) { share } else { 0.0 }));
+            let whole: f64 = ways.iter().map(|w| w.2).sum();
+            for (k, to, share) in ways.into_iter().filter(|w| w.2 > 0.0) {
+                rest[k][to] += error * share / whole;
+            }
         }
         rest.swap(0, 1);
         rest[1].fill(0.0);
@@ -98,8 +118,13 @@ fn stepped(darkness: f64, seed: u32, place: u32) -> f64 {
     (STEPS * darkness + uniform(seed ^ SALT, place)).floor() / STEPS
 }
 
-/// The stroke about `middle` as far as it stays where drawing is allowed.
-pub(super) fn clipped(tone: &Tone<'_>, middle: DVec2, half: DVec2) -> Option<ShortStroke> {
+/// The stroke about `middle` as far as it stays where drawing is allowed; none where that is a stub.
+pub(super) fn clipped(
+    tone: &Tone<'_>,
+    middle: DVec2,
+    half: DVec2,
+    settings: &DiffusionSettings,
+) -> Option<ShortStroke> {
     let length = half.length();
     if length <= 0.0 || length.is_nan() {
         return None;
@@ -113,12 +138,13 @@ pub(super) fn clipped(tone: &Tone<'_>, middle: DVec2, half: DVec2) -> Option<Sho
         let steps = (length * 2.0).ceil() as u32;
         let at = |k: u32| middle + way * f64::from(k) / f64::from(steps);
         let last = (1..=steps).take_while(|&k| open(at(k))).last().unwrap_or(0);
-        at(last)
+        let back = if last < steps { settings.inset } else { 0.0 };
+        // Also beyond the middle where that is nearer to the border.
+        at(last) - back * way.normalize_or_zero()
     };
-    Some(ShortStroke {
-        from: end(-half),
-        to: end(half),
-    })
+    let (from, to) = (end(-half), end(half));
+    let left = (to - from).dot(half) / length;
+    (left > 0.0 && left >= settings.stub * 2.0 * length).then_some(ShortStroke { from, to })
 }
 
 struct Field<'a> {
@@ -167,6 +193,8 @@ mod tests {
         width: 1.0,
         threshold: 0.5,
         seed: 1,
+        stub: 0.0,
+        inset: 0.0,
     };
 
     /// Ink of the strokes on a picture, as shares of its pixels.
@@ -230,6 +258,37 @@ mod tests {
         let (one, other) = (tone(0.0), tone(1e-7));
         assert!(one.len() > 100);
         assert!(one == other, "{} and {}", one.len(), other.len());
+    }
+
+    #[test]
+    fn without_stubs_the_ink_is_the_same_and_no_stroke_is_one() {
+        // A stem two strokes wide; strokes stay half a pen within its borders.
+        let (size, sides) = ([64, 400], 20..44);
+        for darkness in [0.2_f32, 0.4, 0.6] {
+            let inside = |i: usize| sides.contains(&(i % size[0]));
+            let field: Vec<f32> = (0..size[0] * size[1])
+                .map(|i| if inside(i) { darkness } else { -1.0 })
+                .collect();
+            let tone = Tone {
+                size,
+                darkness: &field,
+            };
+            let settings = DiffusionSettings {
+                stub: 0.5,
+                inset: 0.8,
+                ..SETTINGS
+            };
+            let across = |x: usize, y: usize| DVec2::from_angle(0.02 * (x * 3 + y * 7) as f64);
+            let found = strokes(&tone, &settings, across);
+            let covered = ink(size, &field, &found).iter().filter(|&&c| c).count();
+            let wanted = f64::from(darkness) * (sides.len() * size[1]) as f64;
+            let ratio = covered as f64 / wanted;
+            println!("{darkness}: {ratio:.3}");
+            assert!((0.97..=1.05).contains(&ratio), "{darkness}: {ratio}");
+            let least = found.iter().map(|s| s.from.distance(s.to));
+            let least = least.fold(f64::INFINITY, f64::min);
+            assert!(least >= 0.5 * 0.75 * SETTINGS.length, "{least}");
+        }
     }
 
     #[test]

@@ -4,8 +4,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::across::{Across, expected, layers};
-use super::anchored::{Surface, hand_round, metres_of_pixel, noise_at, placed};
+use super::across::{expected, layers};
+use super::anchored::{Surface, hand_round, placed};
 use super::curve::{Curve, Polyline};
 use super::diffusion::{DiffusionSettings, Tone};
 use super::fit::{FitSettings, fit};
@@ -13,22 +13,20 @@ use super::inks::{Inks, Part, bytes, on_ground};
 use super::order::{ordered, pen_up};
 use super::outline::{Seen, lines, shown};
 use super::particles::outline;
-use super::pen::{Pen, Stroke};
+use super::pen::Stroke;
 use super::polygon;
 use super::progress::{Count, Stage, Tell, quiet};
 use super::region::{self, filling};
 use super::renderer::Maps;
-use super::silhouette::{Edges, snapped};
+use super::single::single_lines;
+use super::stem_strokes::{hatch, stem_contour, stem_hatching, stem_lines};
 use super::style::{PaperStyle, ShadowForm};
 use super::svg::{Drawing, Layer, Profile};
-use super::trace::{Marks, smoothed, thinned, trace};
 use super::vectors::{Lines, tile_hatching, traced_contour, whole_bitmap};
 use crate::ink::view::View;
 
-/// Shorter lines of stems are specks, pixels.
+/// Smaller areas are specks, pixels.
 const SPECK: f64 = 5.0;
-/// Pixels on each side over which stems' lines are smoothed.
-const SMOOTH: usize = 3;
 /// Ends so near are joined, and lines so near are the same, millimetres.
 const GAP: f64 = 0.1;
 
@@ -118,18 +116,15 @@ pub fn traced(maps: &Maps, style: &PaperStyle, view: &View, tell: Tell<'_>) -> D
     };
     let shade = Shade::new(maps, style);
     let whole = (style.vector.lines == Lines::Bitmap)
-        .then(|| whole_bitmap(maps, &visible, &shade, style, view));
+        .then(|| whole_bitmap(maps, &visible, &shade, (style, view), &placement));
     if style.stem.draw {
         let lines = match &whole {
             Some([stems, _]) => stems.clone(),
-            None => stem_lines(maps, &visible, style),
+            None => stem_lines(maps, &visible, style, &placement),
         };
-        add(
-            1,
-            "stem contour",
-            inks.stem,
-            stem_contour((maps, &visible), &lines, style, view, &placement),
-        );
+        let mut strokes = stem_contour((maps, &visible), &lines, style, view, &placement);
+        strokes.extend(single_lines(maps, style, view, &placement));
+        add(1, "stem contour", inks.stem, strokes);
         if style.stem.hatching > 0.0 {
             add(
                 2,
@@ -232,15 +227,17 @@ fn foliage_contour(
     // What no pixel shows has no line, so that memory and time are those of what is seen.
     let shown = shown(&primitive, maps.leaves);
     let count = Count::new(tell, Stage::Outlines, shown.len());
+    let shortest = least(style.foliage.shortest, style, placement);
     let strokes = shown.par_iter().flat_map_iter(|&number| {
         count.add();
         let i = number as usize - 1;
         let deformation = style.primitive.deformation;
         let outline = &outline(&maps.particles[i], &views, deformation, view);
-        let found = lines(&seen, number, outline);
+        let found = lines(&seen, number, outline, shortest);
         let row = f64::from(maps.particles[i].row);
         let found: Vec<Polyline> = if style.primitive.lower {
-            found.iter().flat_map(|l| below(l, row)).collect()
+            let below = found.iter().flat_map(|l| below(l, row));
+            below.filter(|l| l.length() >= shortest).collect()
         } else {
             found
         };
@@ -259,8 +256,22 @@ fn foliage_contour(
     strokes.collect()
 }
 
+/// Shorter lines are specks however long their pixels are.
+const LEAST: f64 = 3.0;
+
+/// Length (pixels) of lines of which curves within the tolerance are at least `shortest` millimetres
+/// and three pixels: those of flat arcs are their chords. 0 of 0.
+pub(super) fn least(shortest: f64, style: &PaperStyle, placement: &Placement) -> f64 {
+    if shortest <= 0.0 {
+        return 0.0;
+    }
+    let all = shortest.max(LEAST * placement.scale);
+    let flat = style.sheet.tolerance.min(0.5 * all);
+    (all + 8.0 / 3.0 * flat * flat / all) / placement.scale
+}
+
 /// Factors on threshold and width of what is seen in a pixel.
-fn factors(maps: &Maps, pixel: usize) -> [f32; 2] {
+pub(super) fn factors(maps: &Maps, pixel: usize) -> [f32; 2] {
     maps.factors.get(pixel).copied().unwrap_or([1.0; 2])
 }
 
@@ -388,6 +399,8 @@ impl<'a> Shade<'a> {
             width: (s.pen.width / placement.scale).max(1.0),
             threshold: 0.5,
             seed: self.style.seed,
+            stub: s.stub,
+            inset: 0.0,
         };
         let way = DVec2::from_angle(-s.angle.to_radians());
         let surface = Surface {
@@ -408,7 +421,7 @@ impl<'a> Shade<'a> {
                 count.add();
                 way
             });
-            let hatched = found.iter().map(|f| hatch(f.from, f.to, &s.pen, placement));
+            let hatched = found.iter().map(|f| hatch(f, None, &s.pen, placement));
             out.extend(hatched);
         }
         out
@@ -419,141 +432,6 @@ impl<'a> Shade<'a> {
 fn below(line: &Polyline, row: f64) -> Vec<Polyline> {
     let keeps: Vec<bool> = line.points.iter().map(|p| p.y >= row).collect();
     super::outline::runs_of(&line.points, &keeps, line.closed)
-}
-
-/// Whether each pixel of stems is seen and over its threshold.
-pub(super) fn stem_marks(maps: &Maps, visible: &Visible, style: &PaperStyle) -> Vec<bool> {
-    let threshold = style.stem.threshold as f32;
-    maps.stem_difference
-        .iter()
-        .zip(&visible.stems)
-        .enumerate()
-        .map(|(i, (&d, &seen))| {
-            let [more, wider] = factors(maps, i);
-            seen && d > threshold * more && wider > 0.0
-        })
-        .collect()
-}
-
-/// Lines of stems, pixels.
-fn stem_lines(maps: &Maps, visible: &Visible, style: &PaperStyle) -> Vec<Polyline> {
-    let edges = Edges::new(maps.size, &maps.silhouettes);
-    let marked = stem_marks(maps, visible, style);
-    let thin = thinned(&Marks {
-        size: maps.size,
-        marked: &marked,
-    });
-    let found = trace(&Marks {
-        size: maps.size,
-        marked: &thin,
-    });
-    found
-        .iter()
-        .filter(|l| l.length() >= SPECK)
-        .map(|l| snapped(&smoothed(l, SMOOTH), &edges))
-        .collect()
-}
-
-fn stem_contour(
-    (maps, visible): (&Maps, &Visible),
-    lines: &[Polyline],
-    style: &PaperStyle,
-    view: &View,
-    placement: &Placement,
-) -> Vec<Stroke> {
-    let pen = &style.stem.pen;
-    // The hand is unsteady by where it is in space, since lines of pixels have no number that they
-    // keep from frame to frame.
-    let metres = metres_of_pixel(&style.vector, view) / placement.scale;
-    let hand = |p: DVec2| {
-        let pixel = placement.pixel(p);
-        let [w, h] = maps.size;
-        let at = pixel.clamp(DVec2::ZERO, DVec2::new(w as f64 - 1.0, h as f64 - 1.0));
-        let depth = f64::from(maps.stem_depth[at.y as usize * w + at.x as usize]);
-        noise_at(
-            view.point(pixel, depth),
-            pen.wavelength * metres,
-            style.seed,
-        )
-    };
-    let shade = Shade::new(maps, style);
-    lines
-        .iter()
-        .map(|l| {
-            pen.draw_over(&placement.line(l), hand, |p| {
-                let p = placement.pixel(p);
-                shade.pressure(p) * width(maps, p, |i| visible.stems[i])
-            })
-        })
-        .collect()
-}
-
-pub(super) fn stem_hatching(
-    (maps, visible): (&Maps, &Visible),
-    style: &PaperStyle,
-    view: &View,
-    placement: &Placement,
-    tell: Tell<'_>,
-) -> Vec<Stroke> {
-    let s = &style.stem;
-    let darkness: Vec<f32> = maps
-        .stem_normal
-        .iter()
-        .zip(&visible.stems)
-        .map(|(n, &seen)| {
-            if !seen {
-                return -1.0;
-            }
-            let dark = 1.0 - f64::from(n[3]) / s.white.max(1e-3);
-            (s.hatching * dark.clamp(0.0, 1.0)) as f32
-        })
-        .collect();
-    let across = Across::new(maps, visible);
-    let settings = DiffusionSettings {
-        length: s.stroke / placement.scale,
-        width: (s.hatching_pen.width / placement.scale).max(1.0),
-        threshold: 0.5,
-        seed: style.seed,
-    };
-    let surface = Surface {
-        view,
-        depth: &maps.stem_depth,
-        vector: style.vector,
-    };
-    let mut out = Vec::new();
-    let along = if s.along {
-        std::f64::consts::FRAC_PI_2
-    } else {
-        0.0
-    };
-    let tones = layers(&darkness, s.crossing);
-    let count = Count::new(tell, Stage::Strokes, expected(&tones, &settings));
-    for (tone, turn) in tones {
-        let tone = Tone {
-            size: maps.size,
-            darkness: &tone,
-        };
-        let found = placed(&tone, &settings, &surface, |x, y| {
-            count.add();
-            DVec2::from_angle(turn + along).rotate(across.at(x, y))
-        });
-        out.extend(
-            found
-                .iter()
-                .map(|f| hatch(f.from, f.to, &s.hatching_pen, placement)),
-        );
-    }
-    out
-}
-
-fn hatch(from: DVec2, to: DVec2, pen: &Pen, placement: &Placement) -> Stroke {
-    // A few points along it, so that its width can change.
-    let points = (0..=6).map(|k| from.lerp(to, f64::from(k) / 6.0)).collect();
-    let line = Polyline {
-        points,
-        closed: false,
-    };
-    pen.draw(&placement.line(&line), from.x.to_bits() as u32, |_| 1.0)
 }
 
 /// Strokes in the order of a plotter: nothing twice, sorted, joined. Also the way with the pen up

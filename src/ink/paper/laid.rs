@@ -4,11 +4,13 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::drawing::{Placement, Shade, Visible, stem_hatching};
+use super::drawing::{Placement, Shade, Visible};
 use super::inks::{Inks, on_ground};
 use super::pen::Stroke;
 use super::progress::{Stage, Tell};
 use super::renderer::Maps;
+use super::single::single_lines;
+use super::stem_strokes::stem_hatching;
 use super::style::{PaperStyle, ShadowForm};
 use super::vectors::tile_hatching;
 use crate::ink::view::View;
@@ -20,7 +22,11 @@ const BAND: usize = 32;
 /// Whether bitmaps of this style have strokes that the device does not draw.
 #[must_use]
 pub fn has_strokes(style: &PaperStyle) -> bool {
-    hatches_stems(style) || style.shadow.form == ShadowForm::Hatch || style.tiles.strength > 0.0
+    let single = style.stem.draw && style.stem.single > 0.0;
+    single
+        || hatches_stems(style)
+        || style.shadow.form == ShadowForm::Hatch
+        || style.tiles.strength > 0.0
 }
 
 fn hatches_stems(style: &PaperStyle) -> bool {
@@ -58,6 +64,7 @@ pub fn strokes_of(
             stem_hatching((maps, &visible), style, view, &placement, tell),
         );
     }
+    add(inks.stem, single_lines(maps, style, view, &placement));
     if style.shadow.form == ShadowForm::Hatch {
         let found = Shade::new(maps, style).hatching(&visible.foliage, view, &placement, tell);
         let (ground, plants) = on_ground(maps, style, &placement, found);

@@ -39,13 +39,12 @@ const INSIDE: [f64; 3] = [0.35, 0.7, 1.1];
 /// Distance of the points in which an outline is followed, pixels.
 const STEP: f64 = 0.5;
 /// Shorter gaps are closed, pixels: where two primitives meet a pixel belongs to one of them.
-const GAP: f64 = 2.0;
-/// Shorter lines are specks, pixels.
-const SPECK: f64 = 3.0;
+const GAP: f64 = 2.5;
 
-/// Lines of one primitive's closed outline (pixels, either way round): whole if all of it is drawn.
+/// Lines of one primitive's closed outline (pixels, either way round): whole if all of it is drawn,
+/// none shorter than `shortest` (pixels).
 #[must_use]
-pub fn lines(seen: &Seen<'_>, number: u32, outline: &[DVec2]) -> Vec<Polyline> {
+pub fn lines(seen: &Seen<'_>, number: u32, outline: &[DVec2], shortest: f64) -> Vec<Polyline> {
     let points = followed(outline);
     let count = points.len();
     if count < 8 {
@@ -61,9 +60,10 @@ pub fn lines(seen: &Seen<'_>, number: u32, outline: &[DVec2]) -> Vec<Polyline> {
             seen.draws(number, points[i], inward)
         })
         .collect();
-    let drawn = without_runs(drawn, false, (GAP / STEP) as usize);
-    let drawn = without_runs(drawn, true, (SPECK / STEP) as usize);
-    runs_of(&points, &drawn, true)
+    let drawn = without_gaps(drawn, &points);
+    let mut found = runs_of(&points, &drawn, true);
+    found.retain(|l| l.points.len() > 1 && l.length() >= shortest);
+    found
 }
 
 /// Numbers of the leaves that pixels show, from the lowest.
@@ -94,25 +94,26 @@ fn followed(outline: &[DVec2]) -> Vec<DVec2> {
     out
 }
 
-/// A ring of flags in which runs of `value` shorter than `least` are turned over.
-fn without_runs(mut flags: Vec<bool>, value: bool, least: usize) -> Vec<bool> {
+/// The flags of a ring of points where short gaps between drawn ones are drawn too.
+fn without_gaps(mut flags: Vec<bool>, points: &[DVec2]) -> Vec<bool> {
     let count = flags.len();
-    // Starts right after a change, so that no run is cut by the seam.
-    let Some(first) = (0..count).find(|&i| flags[i] != flags[(i + count - 1) % count]) else {
+    // Starts right after a change, so that no gap is cut by the seam.
+    let Some(first) = (0..count).find(|&i| flags[i] && !flags[(i + count - 1) % count]) else {
         return flags;
     };
-    flags.rotate_left(first);
-    let mut at = 0;
-    while at < count {
-        let end = (at..count)
-            .find(|&i| flags[i] != flags[at])
-            .unwrap_or(count);
-        if flags[at] == value && end - at < least {
-            flags[at..end].fill(!value);
+    let at = |k: usize| (first + k) % count;
+    let mut k = 0;
+    while k < count {
+        let end = (k..count).find(|&e| flags[at(e)]).unwrap_or(count);
+        // From the last point before the gap to the first behind it.
+        let way: f64 = (k..=end)
+            .map(|e| points[at(e + count - 1)].distance(points[at(e)]))
+            .sum();
+        if end > k && way < GAP {
+            (k..end).for_each(|e| flags[at(e)] = true);
         }
-        at = end;
+        k = end + 1;
     }
-    flags.rotate_right(first);
     flags
 }
 
@@ -219,7 +220,7 @@ mod tests {
             primitive: &primitive,
             contour: &contour,
         };
-        let found = lines(&seen, 1, &circle(&discs[0]));
+        let found = lines(&seen, 1, &circle(&discs[0]), 3.0);
         assert_eq!(found.len(), 1);
         assert!(found[0].closed);
     }
@@ -236,7 +237,7 @@ mod tests {
         let (mut right, mut wrong, mut missed) = (0, 0, 0);
         let (mut pieces, mut arcs) = (0, 0);
         for (i, d) in discs.iter().enumerate() {
-            let found = lines(&seen, i as u32 + 1, &circle(d));
+            let found = lines(&seen, i as u32 + 1, &circle(d), 3.0);
             pieces += found.len();
             // Truth: a point of the circle is seen where no nearer disc covers it, and is a line
             // where the nearest of what lies behind it just outside is farther by the threshold.
@@ -294,7 +295,7 @@ mod tests {
             ],
             vec![DVec2::NAN; 9],
         ] {
-            assert!(lines(&seen, 1, &outline).is_empty());
+            assert!(lines(&seen, 1, &outline, 3.0).is_empty());
         }
     }
 }

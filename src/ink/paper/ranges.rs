@@ -1,6 +1,7 @@
 //! Ranges of the numbers of styles on paper.
 
 use super::inks;
+use super::limbs;
 use super::modulation::Programs;
 use super::polygon::views;
 use super::style::PaperStyle;
@@ -75,6 +76,7 @@ impl PaperStyle {
             numbers.push((format!("{name}.lift"), pen.lift, 0.0, 1.0));
         }
         numbers.extend(inks::numbers(self));
+        numbers.extend(limbs::numbers(self));
         numbers.extend(self.tiles.numbers());
         for (name, colour) in [("sheet.ink", sheet.ink), ("sheet.colour", sheet.colour)] {
             numbers.extend(colour.map(|v| (name.to_owned(), f64::from(v), 0.0, 1.0)));

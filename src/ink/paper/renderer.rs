@@ -4,9 +4,12 @@
 use bytemuck::pod_collect_to_vec;
 use glam::DVec2;
 
+use super::drawing::Placement;
+use super::eye::Eye;
 use super::factors::{Factors, Read};
 use super::inks::Inks;
 use super::laid::has_strokes;
+use super::limbs::{LimbPoint, in_picture, thin};
 use super::particles::{Particle, records};
 use super::polygon;
 use super::silhouette::silhouettes;
@@ -19,10 +22,11 @@ use crate::abi::{
 };
 use crate::gpu::shaders::ink as shaders;
 use crate::gpu::{
-    Binding, Buffer, BufferInfo, ColorTarget, ComputePipeline, DepthTarget, Draws, Format, Gpu,
-    GraphicsPipeline, GraphicsPipelineInfo, Image, ImageInfo, PassTime, QueueKind, RenderPass,
-    Sampler, SamplerInfo, Shader, Work,
+    Binding, Buffer, BufferInfo, ComputePipeline, Format, Gpu, GraphicsPipeline,
+    GraphicsPipelineInfo, Image, ImageInfo, PassTime, QueueKind, Sampler, SamplerInfo, Shader,
+    Work,
 };
+use crate::ink::branches::limbs::{self, Limbs};
 use crate::ink::view::View;
 use crate::math::colour::srgb_to_linear;
 use crate::scene::Geometry;
@@ -63,6 +67,8 @@ pub struct Maps {
     pub stem_difference: Vec<f32>,
     /// Normal of stems in the camera's frame, and light.
     pub stem_normal: Vec<[f32; 4]>,
+    /// Axes of branches, seen and hidden.
+    pub limbs: Vec<Vec<LimbPoint>>,
     /// Silhouettes of stems, seen and hidden, pixels.
     pub silhouettes: Vec<[DVec2; 2]>,
     /// How deep pixels lie in shadow, 0 to 1; empty where the style has none.
@@ -102,6 +108,8 @@ pub struct PaperRenderer {
     positions: Buffer,
     normals: Buffer,
     indices: Buffer,
+    radii: Buffer,
+    limbs: Limbs,
     foliage: [Image; 3],
     stems: [Image; 3],
     depth: Image,
@@ -176,6 +184,7 @@ impl PaperRenderer {
         };
         let factors = Factors::new(gpu, scene, style, size)?;
         let shadow = style.shadow.form != ShadowForm::None;
+        let limbs = limbs::limbs(&g.positions, scene.stems);
         Ok(Self {
             gpu: gpu.clone(),
             style: style.clone(),
@@ -194,6 +203,8 @@ impl PaperRenderer {
             positions: gpu.upload("positions", &g.positions)?,
             normals: gpu.upload("normals", &g.normals)?,
             indices: gpu.upload("stem indices", scene.stems)?,
+            radii: gpu.upload("stem radii", &limbs.radius)?,
+            limbs,
             foliage: [
                 target("foliage depth", Format::R32Float)?,
                 target("foliage number", Format::R32Float)?,
@@ -226,7 +237,8 @@ impl PaperRenderer {
     /// # Errors
     /// Memory runs out or the device is lost.
     pub fn maps(&self, scene: &PaperScene<'_>, view: &View) -> Result<Maps> {
-        let (mut work, particles) = self.begin(scene, view)?;
+        let scale = Placement::new(&self.style, self.size.map(|s| s as usize)).scale;
+        let (mut work, particles) = self.begin(scene, view, scale)?;
         let reads = [
             work.read_image("foliage depth", &self.foliage[0])?,
             work.read_image("foliage number", &self.foliage[1])?,
@@ -264,6 +276,7 @@ impl PaperRenderer {
                 .iter()
                 .map(|h| h.map(crate::math::packing::f16_to_f32))
                 .collect(),
+            limbs: in_picture(&self.limbs, view),
             silhouettes: if self.style.stem.draw {
                 silhouettes(scene.geometry, scene.stems, view)
             } else {
@@ -283,7 +296,8 @@ impl PaperRenderer {
     /// # Errors
     /// Memory runs out or the device is lost.
     pub fn bitmap(&self, scene: &PaperScene<'_>, view: &View, factor: u32) -> Result<Bitmap> {
-        let (mut work, particles) = self.begin(scene, view)?;
+        let scale = 1.0 / (self.style.sheet.resolution * f64::from(factor));
+        let (mut work, particles) = self.begin(scene, view, scale)?;
         let switches = [
             (0, u32::from(self.sun.is_some())),
             (1, u32::from(self.factors.is_some())),
@@ -335,6 +349,7 @@ impl PaperRenderer {
             pixels: done.take(read),
             maps: tones.map(|t| Maps {
                 particles,
+                limbs: in_picture(&self.limbs, view),
                 ..t.maps(&mut done, self.size, scene.leaves)
             }),
         })
@@ -377,7 +392,13 @@ impl PaperRenderer {
         }
     }
 
-    fn begin(&self, scene: &PaperScene<'_>, view: &View) -> Result<(Work, Vec<PaperParticle>)> {
+    /// Depths and differences; a pixel is `scale` millimetres.
+    fn begin(
+        &self,
+        scene: &PaperScene<'_>,
+        view: &View,
+        scale: f64,
+    ) -> Result<(Work, Vec<PaperParticle>)> {
         let particles = records(scene.particles, scene.leaves, &self.style, view);
         let mut work = self.gpu.work(QueueKind::Graphics, "paper")?;
         work.upload("paper frame", &self.frame, &[view.frame()])?;
@@ -393,7 +414,7 @@ impl PaperRenderer {
             extent: self.size,
         };
         self.draw_foliage(&mut work, &eye, particles.len() as u32)?;
-        self.draw_stems(&mut work, &eye, scene)?;
+        self.draw_stems(&mut work, &eye, scene, thin(&self.style, scale))?;
         let push = self.difference_push(view, 0.0);
         self.differences(&mut work, "foliage differences", &self.foliage, &push)?;
         let push = self.difference_push(view, self.style.stem.slope as f32);
@@ -405,7 +426,7 @@ impl PaperRenderer {
                 work.upload("sun frame", &sun.frame, &[frame])?;
                 // Ground throws no shadow.
                 self.draw_foliage(&mut work, &eye, scene.leaves as u32)?;
-                self.draw_stems(&mut work, &eye, scene)?;
+                self.draw_stems(&mut work, &eye, scene, 0.0)?;
             }
             self.sunlit(&mut work, sun, (view, scene.leaves))?;
         }
@@ -474,11 +495,19 @@ impl PaperRenderer {
         })
     }
 
-    fn draw_stems(&self, work: &mut Work, eye: &Eye<'_>, scene: &PaperScene<'_>) -> Result<()> {
+    /// Branches of at least `thin` pixels.
+    fn draw_stems(
+        &self,
+        work: &mut Work,
+        eye: &Eye<'_>,
+        scene: &PaperScene<'_>,
+        thin: f64,
+    ) -> Result<()> {
         let set = [
             Binding::Read(eye.frame),
             Binding::Read(&self.positions),
             Binding::Read(&self.normals),
+            Binding::Read(&self.radii),
         ];
         let mut reads = set.to_vec();
         reads.push(Binding::Index(&self.indices));
@@ -486,7 +515,11 @@ impl PaperRenderer {
             draws.pipeline(&self.stem);
             draws.bind(0, &set)?;
             draws.index_buffer(&self.indices);
-            draws.push(&PaperStem { ambient: AMBIENT })?;
+            let thin = thin as f32;
+            draws.push(&PaperStem {
+                ambient: AMBIENT,
+                thin,
+            })?;
             draws.draw_indexed(0..scene.stems.len() as u32, 1)
         })
     }
@@ -525,45 +558,6 @@ impl PaperRenderer {
             push,
             [self.size[0], self.size[1], 1],
         )
-    }
-}
-
-/// Where particles and stems are drawn from, and into what: depth, and number or normal.
-pub(super) struct Eye<'a> {
-    pub(super) name: [&'a str; 2],
-    pub(super) frame: &'a Buffer,
-    pub(super) foliage: &'a [Image],
-    pub(super) stems: &'a [Image],
-    pub(super) depth: &'a Image,
-    pub(super) extent: [u32; 2],
-}
-
-impl Eye<'_> {
-    fn pass(
-        &self,
-        work: &mut Work,
-        which: usize,
-        reads: &[Binding<'_>],
-        record: impl FnOnce(&mut Draws<'_>) -> Result<()>,
-    ) -> Result<()> {
-        let targets = [self.foliage, self.stems][which];
-        let color = [&targets[0], &targets[1]].map(|image| ColorTarget {
-            image,
-            clear: Some([0.0; 4]),
-            resolve: None,
-            store: true,
-        });
-        let pass = RenderPass {
-            extent: self.extent,
-            color: &color,
-            depth: Some(DepthTarget {
-                image: self.depth,
-                clear: Some(0.0),
-                store: false,
-            }),
-            reads,
-        };
-        work.render(self.name[which], &pass, record)
     }
 }
 

@@ -13,6 +13,10 @@ use crate::scene::Geometry;
 const REACH: f64 = 1.6;
 /// Pixels by which a line on the other side is farther away at least.
 const THIN: f64 = 0.6;
+/// Points on each side whose moves tell that of a point.
+const ABOUT: usize = 6;
+/// Share of them that lie on silhouettes where silhouettes are whole.
+const WHOLE: f64 = 0.8;
 /// Pixels along a cell of the search.
 const CELL: usize = 4;
 
@@ -104,18 +108,19 @@ impl<'a> Edges<'a> {
     }
 }
 
-/// A traced line (pixels) on the silhouettes beside it; where there are none it stays, and near those
-/// it is moved as its neighbours are, so that nothing leaps.
+/// A traced line (pixels) on the silhouettes beside it. Where they are patchy it is moved as its
+/// neighbours are in the mean, so that nothing leaps; where there are none it stays.
 pub(super) fn snapped(line: &Polyline, edges: &Edges<'_>) -> Polyline {
     let ways: Vec<Option<DVec2>> = line.points.iter().map(|&p| edges.way(p)).collect();
     let count = ways.len();
-    let about = |i: usize| {
-        let near = (i.saturating_sub(2)..(i + 3).min(count)).filter_map(|k| ways[k]);
+    let moved = |i: usize| {
+        let about = i.saturating_sub(ABOUT)..(i + ABOUT + 1).min(count);
+        let all = about.len() as f64;
+        let near = about.filter_map(|k| ways[k]);
         let (sum, found) = near.fold((DVec2::ZERO, 0.0), |(s, n), w| (s + w, n + 1.0));
-        // Fades with how few of the neighbours are moved.
-        sum / 5.0_f64.max(found)
+        let own = ways[i].filter(|_| found >= WHOLE * all);
+        line.points[i] + own.unwrap_or(sum / all)
     };
-    let moved = |i: usize| line.points[i] + ways[i].unwrap_or_else(|| about(i));
     Polyline {
         points: (0..count).map(moved).collect(),
         closed: line.closed,

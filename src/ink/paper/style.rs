@@ -179,6 +179,9 @@ pub struct Foliage {
     pub threshold_by: Option<Modulation>,
     /// The same of the pen's width.
     pub width_by: Option<Modulation>,
+    /// Shorter pieces of outlines, and those under three pixels, are not drawn, millimetres, 0 (all are)
+    /// to 50.
+    pub shortest: f64,
     /// Their pen.
     pub pen: Pen,
 }
@@ -191,6 +194,7 @@ impl Default for Foliage {
             threshold: 1000.0,
             threshold_by: None,
             width_by: None,
+            shortest: 0.5,
             pen: Pen::default(),
         }
     }
@@ -215,6 +219,11 @@ pub struct Stem {
     pub width_by: Option<Modulation>,
     /// Share of the surface's own slope that is no difference, 0 to 10.
     pub slope: f64,
+    /// Branches narrower than so many widths of the pen are one line, without hatching; 0 (none) to 100.
+    pub single: f64,
+    /// Shorter pieces of outlines, and those under three pixels, are not drawn, millimetres, 0 (all are)
+    /// to 50.
+    pub shortest: f64,
     /// Pen of outlines.
     pub pen: Pen,
     /// Darkness that white to black surfaces get by strokes, 0 (none) to 1.
@@ -227,6 +236,11 @@ pub struct Stem {
     pub along: bool,
     /// Length of strokes, millimetres, 0.2 to 50.
     pub stroke: f64,
+    /// Strokes that are cut to less than this share of their length are not drawn, nor any on branches
+    /// narrower than that; 0 (all are) to 1.
+    pub stub: f64,
+    /// Angle by which strokes stray at most, degrees, 0 to 90.
+    pub stray: f64,
     /// Pen of strokes.
     pub hatching_pen: Pen,
 }
@@ -241,12 +255,16 @@ impl Default for Stem {
             threshold_by: None,
             width_by: None,
             slope: 3.0,
+            single: 2.0,
+            shortest: 1.0,
             pen: Pen::default(),
             hatching: 0.8,
             white: 0.75,
             crossing: 0.6,
             along: false,
             stroke: 2.5,
+            stub: 0.5,
+            stray: 6.0,
             hatching_pen: Pen {
                 width: 0.2,
                 ends: 0.4,
@@ -297,6 +315,8 @@ pub struct Shadow {
     pub angle: f64,
     /// Length of its strokes, millimetres, 0.2 to 50.
     pub stroke: f64,
+    /// Those that are cut to less than this share of it are not drawn, 0 (all are) to 1.
+    pub stub: f64,
     /// Pen of strokes, and of areas where a plotter fills them.
     pub pen: Pen,
 }
@@ -315,6 +335,7 @@ impl Default for Shadow {
             crossing: 1.0,
             angle: 50.0,
             stroke: 4.0,
+            stub: 0.35,
             pen: Pen {
                 width: 0.25,
                 ..Pen::default()

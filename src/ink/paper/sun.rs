@@ -4,8 +4,8 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::Vec3;
 
+use super::eye::Eye;
 use super::particles::unit;
-use super::renderer::Eye;
 use super::style::PaperStyle;
 use crate::Result;
 use crate::abi::{InkFrame, PaperParticle, PaperSunlit};

@@ -7,13 +7,14 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::curve::Polyline;
-use super::drawing::{Placement, Shade, Visible, stem_marks, width};
+use super::drawing::{Placement, Shade, Visible, least, width};
 use super::fit::nearest_on;
 use super::particles::outline;
 use super::pen::Stroke;
 use super::polygon;
 use super::renderer::Maps;
 use super::silhouette::Edges;
+use super::stem_strokes::stem_marks;
 use super::style::PaperStyle;
 use super::{tiles, whole};
 use crate::ink::view::View;
@@ -65,8 +66,8 @@ pub(super) fn whole_bitmap(
     maps: &Maps,
     visible: &Visible,
     shade: &Shade<'_>,
-    style: &PaperStyle,
-    view: &View,
+    (style, view): (&PaperStyle, &View),
+    placement: &Placement,
 ) -> [Vec<Polyline>; 2] {
     let stems = stem_marks(maps, visible, style);
     let marked: Vec<bool> = shade
@@ -100,7 +101,9 @@ pub(super) fn whole_bitmap(
         let at = |p: &&DVec2| stems[p.y as usize * maps.size[0] + p.x as usize];
         2 * l.points.iter().filter(at).count() > l.points.len()
     };
-    let (stems, foliage) = lines.into_iter().partition(on_stems);
+    let (mut stems, mut foliage): (Vec<_>, Vec<_>) = lines.into_iter().partition(on_stems);
+    stems.retain(|l| l.length() >= least(style.stem.shortest, style, placement));
+    foliage.retain(|l| l.length() >= least(style.foliage.shortest, style, placement));
     [stems, foliage]
 }
 

@@ -183,7 +183,7 @@ fn outlined(line: &Polyline, owners: &[[u32; 2]], outlines: &mut impl Outlines) 
 type End = (usize, bool);
 
 /// Lines that go on straight through junctions as one: tracing cuts them there.
-fn joined_through(lines: Vec<Polyline>) -> Vec<Polyline> {
+pub(super) fn joined_through(lines: Vec<Polyline>) -> Vec<Polyline> {
     let mut at: HashMap<[i64; 2], Vec<End>> = HashMap::new();
     let key = |p: DVec2| [(2.0 * p.x) as i64, (2.0 * p.y) as i64];
     let open = |l: &Polyline| !l.closed && l.points.len() > 1;
