@@ -110,6 +110,19 @@ fn options_that_change_nothing_are_told_in_one_line() {
 }
 
 #[test]
+fn sheets_beyond_the_device_are_refused_with_what_makes_them_smaller() {
+    let place = prepared();
+    for (file, word) in [
+        ("x.png", "--ink-supersample"),
+        ("x.svg", "sheet.resolution"),
+    ] {
+        let line = ["render", "tree.glb", "-o", file, "--style", "ds00-fig3a"];
+        let line = [&line[..], &["--paper", "5000x5000"]].concat();
+        place.assert_refused(&line, &["pixels", word, "--paper"]);
+    }
+}
+
+#[test]
 fn blank_drawings_are_told() {
     let place = prepared();
     for file in ["a.svg", "a.png"] {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::recipe::Recipe;
 use crate::app::cli::RenderArgs;
+use crate::gpu::Gpu;
 use crate::ink::paper::presets::PRESETS;
 use crate::render::RenderSettings;
 use crate::scene::SceneFile;
@@ -84,6 +85,25 @@ pub(super) fn no_vectors(output: &Path, style: Option<&str>) -> Result<()> {
             all.join(", ")
         ),
     ))
+}
+
+/// Refuses pictures that the device does not have, before anything is allocated; `factor` is that
+/// of bitmaps.
+///
+/// # Errors
+/// Names what makes them smaller.
+pub(super) fn check_size(gpu: &Gpu, [w, h]: [u32; 2], factor: Option<u32>) -> Result<()> {
+    let (name, side) = (&gpu.info().name, gpu.info().limits.max_image_2d);
+    if w.max(h) <= side {
+        return Ok(());
+    }
+    let less = match factor {
+        Some(_) => "--size, --ink-supersample, --paper or sheet.resolution",
+        None => "--paper or sheet.resolution",
+    };
+    Err(Error::Unsupported(format!(
+        "a sheet of {w}x{h} pixels: {name} draws up to {side}x{side}; less of {less} makes it smaller"
+    )))
 }
 
 /// Options that drawings on paper have, whatever they are written as.

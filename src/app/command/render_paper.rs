@@ -5,7 +5,9 @@ use std::path::Path;
 use glam::Vec3;
 use serde_json::json;
 
-use super::paper_kind::{Kind, chosen_size, counted, ends_in, is_vectors, tell_blank, tell_unused};
+use super::paper_kind::{
+    self, Kind, chosen_size, counted, ends_in, is_vectors, tell_blank, tell_unused,
+};
 use super::recipe::Recipe;
 use super::redraw;
 use super::render::{Drawn, encode, frames_report};
@@ -297,6 +299,7 @@ impl<'a> Board<'a> {
             }
             (size.map(|s| s * kind.factor), Some(kind.factor))
         };
+        paper_kind::check_size(gpu, size, factor)?;
         let scene = subject.scene();
         let renderer =
             timings.measure("upload", || PaperRenderer::new(gpu, &scene, &style, size))?;
