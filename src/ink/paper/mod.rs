@@ -16,6 +16,7 @@ pub mod expression;
 mod eye;
 mod factors;
 pub mod fit;
+mod grid;
 mod inks;
 pub mod laid;
 pub mod limbs;
