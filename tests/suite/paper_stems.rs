@@ -176,3 +176,71 @@ fn outlines_of_stems_follow_the_cone() {
     );
     assert!(count > 100.0 && most <= 0.5, "{count} points, {most} px");
 }
+
+#[test]
+fn a_plant_without_leaves_is_drawn_by_its_branches() {
+    let place = Place::new();
+    let arguments = |style: &'static str| {
+        [
+            "render",
+            "grow:broadleaf:1:0",
+            "-o",
+            "x.svg",
+            "--style",
+            style,
+            "--paper",
+            "a6",
+        ]
+    };
+    let branches = place.umbrage(&arguments("ds00-fig2"));
+    assert_eq!(branches.status.code(), Some(0), "{}", stderr(&branches));
+    assert!(
+        !stderr(&branches).contains("no foliage"),
+        "nothing is missing"
+    );
+    let svg = std::fs::read_to_string(place.path("x.svg")).unwrap();
+    assert!(svg.contains("1 stem contour"));
+    let leaves = place.umbrage(&arguments("ds00-fig3a"));
+    assert_eq!(leaves.status.code(), Some(0), "{}", stderr(&leaves));
+    assert!(
+        stderr(&leaves).contains("no foliage was found"),
+        "{}",
+        stderr(&leaves)
+    );
+}
+
+/// A short stump, and a tall stem apart from it: what is thickest and lowest is no trunk.
+#[test]
+fn where_orders_reach_no_crown_the_radius_tells() {
+    let (mut positions, mut indices) = (Vec::new(), Vec::new());
+    let mut tube = |radius: f32, foot: Vec3, height: f32| {
+        let first = positions.len() as u32;
+        for ring in 0..12_u32 {
+            for side in 0..8_u32 {
+                let (sin, cos) = (std::f32::consts::FRAC_PI_4 * side as f32).sin_cos();
+                let up = height * ring as f32 / 11.0;
+                positions.push(foot + Vec3::new(radius * cos, up, radius * sin));
+                if ring > 0 {
+                    let (a, b) = ((ring - 1) * 8 + side, (ring - 1) * 8 + (side + 1) % 8);
+                    indices.extend([a, b, b + 8, a, b + 8, a + 8].map(|i| first + i));
+                }
+            }
+        }
+    };
+    tube(0.2, Vec3::ZERO, 1.5);
+    // On the stump and on each other: of orders 1 to 4.
+    tube(0.15, Vec3::new(0.05, 1.4, 0.0), 1.2);
+    tube(0.14, Vec3::new(0.0, 2.5, 0.04), 1.2);
+    tube(0.13, Vec3::new(0.04, 3.6, 0.0), 1.2);
+    tube(0.12, Vec3::new(0.0, 4.7, 0.04), 1.2);
+    let stem = umbrage::ink::paper::style::Stem {
+        order: 0,
+        ..Default::default()
+    };
+    let (kept, told) = drawn_stems(&positions, indices.clone(), None, &stem);
+    let top = kept
+        .iter()
+        .map(|&v| positions[v as usize].y)
+        .fold(0.0, f32::max);
+    assert_eq!((told, top > 5.0), (Told::Radius, true), "up to {top}");
+}

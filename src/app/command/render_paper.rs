@@ -53,10 +53,13 @@ pub(super) struct Subject {
     shadows: Vec<Vec3>,
 }
 
+/// Leaves or cards of foliage that make no crown.
+const FEW: usize = 100;
+
 /// Draws the model on paper; vectors hold the `recipe`.
 ///
 /// # Errors
-/// Wrong input, style or settings, a model without leaves, a failing device.
+/// Wrong input, style or settings, a failing device.
 pub(super) fn run(
     context: &Context,
     args: &RenderArgs,
@@ -129,10 +132,19 @@ pub(super) fn subject(
     (style, settings): (&PaperStyle, &RenderSettings),
     timings: &mut Timings,
 ) -> Result<Subject> {
-    let split = prepared.split()?;
+    let split = prepared.split_with_or_without()?;
     let geometry = &prepared.geometry;
+    if split.foliage_indices.is_empty() && (style.foliage.draw || style.foliage.hides) {
+        log::warn!(
+            "{}: no foliage was found: branches alone are drawn (--foliage REGEX tells what is foliage)",
+            prepared.input.model.name
+        );
+    }
     let particles = timings.measure("particles", || {
         let indices = &split.foliage_indices;
+        if indices.is_empty() {
+            return Ok(Vec::new());
+        }
         let found = Leaves::new(&geometry.positions, indices, Primitive::Leaf);
         let triangles = LeafTriangles {
             indices,
@@ -152,6 +164,18 @@ pub(super) fn subject(
         let known = known_orders(&prepared.input.model, geometry, &split.foliage_parts);
         drawn_stems(&geometry.positions, wood, known, &style.stem)
     });
+    if !particles.is_empty()
+        && particles.len() < FEW
+        && particles.len() < style.primitive.count as usize
+    {
+        log::warn!(
+            "{}: its foliage has {} leaves or cards, each of which is drawn as one primitive; the style \
+             is meant for {}",
+            prepared.input.model.name,
+            particles.len(),
+            style.primitive.count
+        );
+    }
     let mut particles = particles;
     if !style.foliage.draw && !style.foliage.hides {
         particles.clear();

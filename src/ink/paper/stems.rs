@@ -8,6 +8,9 @@ use crate::ink::branches::Branches;
 use crate::ink::branches::order::orders;
 use crate::scene::{Geometry, Model};
 
+/// Share of the height of all wood that trunk and boughs reach at least.
+const REACH: f32 = 0.5;
+
 /// What told which branches are drawn.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Told {
@@ -18,6 +21,8 @@ pub enum Told {
     Surface,
     /// The branches' radius: their order could not be told.
     Radius,
+    /// Nothing: there are no branches.
+    Nothing,
 }
 
 impl Told {
@@ -28,6 +33,7 @@ impl Told {
             Self::Generator => "order, as grown",
             Self::Surface => "order, told from their surface",
             Self::Radius => "radius, as their order cannot be told",
+            Self::Nothing => "nothing, as there are none",
         }
     }
 }
@@ -63,7 +69,7 @@ pub fn drawn_stems(
         Told::Surface
     };
     if indices.is_empty() {
-        return (indices, told);
+        return (indices, Told::Nothing);
     }
     let Some(orders) = known.or_else(|| orders(positions, &indices)) else {
         return (thick_stems(positions, indices, stem.thinnest), Told::Radius);
@@ -72,8 +78,32 @@ pub fn drawn_stems(
         t.iter()
             .all(|&v| u32::from(orders[v as usize]) <= stem.order)
     };
-    let kept = indices.chunks_exact(3).filter(low).flatten();
-    (kept.copied().collect(), told)
+    let kept: Vec<u32> = indices
+        .chunks_exact(3)
+        .filter(low)
+        .flatten()
+        .copied()
+        .collect();
+    if told == Told::Surface && !holds_crown(positions, &indices, &kept, stem.order) {
+        return (thick_stems(positions, indices, stem.thinnest), Told::Radius);
+    }
+    (kept, told)
+}
+
+/// Whether branches up to an order reach as far up as those of a tree do: trunk and boughs end in the
+/// crown. Where they do not, what was taken for the trunk is a piece of it.
+fn holds_crown(positions: &[Vec3], all: &[u32], kept: &[u32], order: u32) -> bool {
+    let ends = |indices: &[u32]| {
+        indices
+            .iter()
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |e, &v| {
+                let y = positions[v as usize].y;
+                [e[0].min(y), e[1].max(y)]
+            })
+    };
+    let ([low, high], [foot, top]) = (ends(all), ends(kept));
+    log::debug!("branches up to order {order} reach from {foot} to {top} of {low} to {high}");
+    top - low >= REACH * (high - low) && foot - low <= (1.0 - REACH) * (high - low)
 }
 
 /// The triangles of `indices` on branches of at least `thinnest` of the thickest one's radius.
