@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use umbrage::ink::branches::order::orders;
 use umbrage::ink::paper::drawing::{Placement, drawing};
 use umbrage::ink::paper::renderer::{PaperRenderer, PaperScene};
+use umbrage::ink::paper::stems::{Told, drawn_stems};
 use umbrage::scene::grow::{GrowOptions, Species, grow};
 
 use crate::fixture;

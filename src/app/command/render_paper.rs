@@ -19,7 +19,7 @@ use crate::app::prepared::Prepared;
 use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
-use crate::foliage::{Leaves, Primitive};
+use crate::foliage::{Leaves, Primitive, Split};
 use crate::gpu::Gpu;
 use crate::ink::leaves::{LeafTriangles, leaves};
 use crate::ink::paper::anchored::cell_of;
@@ -127,6 +127,40 @@ pub(super) fn run(
     Ok(Report::new(text, json))
 }
 
+/// Particles of the foliage; what the style wants and the model has not is told.
+fn foliage(prepared: &Prepared, split: &Split, style: &PaperStyle) -> Result<Vec<Particle>> {
+    let (model, geometry) = (&prepared.input.model, &prepared.geometry);
+    let indices = &split.foliage_indices;
+    if indices.is_empty() {
+        if style.foliage.draw || style.foliage.hides {
+            log::warn!(
+                "{}: no foliage was found: branches alone are drawn (--foliage REGEX tells what is \
+                 foliage)",
+                model.name
+            );
+        }
+        return Ok(Vec::new());
+    }
+    let found = Leaves::new(&geometry.positions, indices, Primitive::Leaf);
+    let triangles = LeafTriangles {
+        indices,
+        first: &found.first,
+        triangles: &found.triangles,
+    };
+    let (found, _) = leaves(model, geometry, triangles);
+    let particles = particles(&found, style.primitive.count, style.seed)?;
+    if particles.len() < FEW.min(style.primitive.count as usize) {
+        log::warn!(
+            "{}: its foliage has {} leaves or cards, each of which is drawn as one primitive; the style \
+             is meant for {}",
+            model.name,
+            particles.len(),
+            style.primitive.count
+        );
+    }
+    Ok(particles)
+}
+
 pub(super) fn subject(
     prepared: Prepared,
     (style, settings): (&PaperStyle, &RenderSettings),
@@ -134,26 +168,7 @@ pub(super) fn subject(
 ) -> Result<Subject> {
     let split = prepared.split_with_or_without()?;
     let geometry = &prepared.geometry;
-    if split.foliage_indices.is_empty() && (style.foliage.draw || style.foliage.hides) {
-        log::warn!(
-            "{}: no foliage was found: branches alone are drawn (--foliage REGEX tells what is foliage)",
-            prepared.input.model.name
-        );
-    }
-    let particles = timings.measure("particles", || {
-        let indices = &split.foliage_indices;
-        if indices.is_empty() {
-            return Ok(Vec::new());
-        }
-        let found = Leaves::new(&geometry.positions, indices, Primitive::Leaf);
-        let triangles = LeafTriangles {
-            indices,
-            first: &found.first,
-            triangles: &found.triangles,
-        };
-        let (found, _) = leaves(&prepared.input.model, geometry, triangles);
-        particles(&found, style.primitive.count, style.seed)
-    })?;
+    let particles = timings.measure("particles", || foliage(&prepared, &split, style))?;
     let parts = geometry.parts.iter().enumerate();
     let wood: Vec<u32> = parts
         .filter(|(i, _)| !split.foliage_parts.get(*i).copied().unwrap_or(false))
@@ -164,18 +179,6 @@ pub(super) fn subject(
         let known = known_orders(&prepared.input.model, geometry, &split.foliage_parts);
         drawn_stems(&geometry.positions, wood, known, &style.stem)
     });
-    if !particles.is_empty()
-        && particles.len() < FEW
-        && particles.len() < style.primitive.count as usize
-    {
-        log::warn!(
-            "{}: its foliage has {} leaves or cards, each of which is drawn as one primitive; the style \
-             is meant for {}",
-            prepared.input.model.name,
-            particles.len(),
-            style.primitive.count
-        );
-    }
     let mut particles = particles;
     if !style.foliage.draw && !style.foliage.hides {
         particles.clear();

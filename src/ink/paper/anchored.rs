@@ -234,7 +234,7 @@ mod tests {
     #[test]
     fn strokes_stay_on_their_places_while_the_camera_moves() {
         let (view, before) = placed(0.0, 0.3);
-        let (moved, after) = placed(0.03, 0.3);
+        let (moved, after) = placed(0.3, 0.3);
         let world = |view: &View, s: &ShortStroke| view.point(0.5 * (s.from + s.to), 10.05);
         let places: Vec<DVec3> = after.iter().map(|s| world(&moved, s)).collect();
         let pixel = 10.05 / view.focal();
