@@ -69,6 +69,17 @@ impl Prepared {
         Split::with_or_without(&self.input.model, &self.geometry, self.pattern.as_deref())
     }
 
+    /// The same for what draws bare plants: a pattern that nothing has is a mistake.
+    ///
+    /// # Errors
+    /// A pattern that is no regular expression, or that no foliage has.
+    pub fn split_or_bare(&self) -> Result<Split> {
+        match self.pattern {
+            Some(_) => self.split(),
+            None => self.split_with_or_without(),
+        }
+    }
+
     /// The bake, computed or found in the cache.
     ///
     /// # Errors

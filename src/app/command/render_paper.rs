@@ -166,7 +166,7 @@ pub(super) fn subject(
     (style, settings): (&PaperStyle, &RenderSettings),
     timings: &mut Timings,
 ) -> Result<Subject> {
-    let split = prepared.split_with_or_without()?;
+    let split = prepared.split_or_bare()?;
     let geometry = &prepared.geometry;
     let particles = timings.measure("particles", || foliage(&prepared, &split, style))?;
     let parts = geometry.parts.iter().enumerate();
