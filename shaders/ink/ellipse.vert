@@ -20,7 +20,7 @@ layout(location = 3) flat out vec2 out_middle;
 // Of the triangle with equal sides about the circle of radius 1.
 const vec2 CORNERS[3] = vec2[](vec2(-1.7320508, -1.0), vec2(1.7320508, -1.0), vec2(0.0, 2.0));
 // By how much the triangle is larger, pixels: more than devices round its corners by.
-const float MARGIN = 0.25;
+const float MARGIN = 0.125;
 
 void main() {
     uint vertex = uint(gl_VertexIndex);

@@ -51,13 +51,14 @@ void main() {
             vec2 at = (vec2(pixel) + 0.5 - 0.5 * vec2(push.width, push.height)) * stem / frame.focal;
             position = frame.eye + stem * frame.forward + at.x * frame.right - at.y * frame.up;
         }
+        float slope = 1.0 / softness;
         vec2 clip = (sun.relative_to_clip * vec4(position, 1.0)).xy;
         ivec2 middle = ivec2(floor((0.5 * clip + 0.5) * float(push.map_size)));
         float own = dot(position - sun.eye, sun.forward);
         int reach = int(push.reach);
         for (int y = -reach; y <= reach; y++) {
             for (int x = -reach; x <= reach; x++) {
-                sum += clamp((behind(middle + ivec2(x, y), own) - bias) / softness, 0.0, 1.0);
+                sum += clamp((behind(middle + ivec2(x, y), own) - bias) * slope, 0.0, 1.0);
             }
         }
         sum /= float((2 * reach + 1) * (2 * reach + 1));
