@@ -43,6 +43,19 @@ fn one_leaf_no_branches_and_no_leaves_are_drawn() {
         assert!(names.contains(&"foliage contour"), "{names:?}");
         assert_eq!(names.contains(&"stem contour"), branches, "{names:?}");
     }
+    let one = [
+        "render",
+        "grow:shrub:1:1",
+        "-o",
+        "z.svg",
+        "--style",
+        "ds00-fig3a",
+    ];
+    let text = stderr(&place.umbrage(&one));
+    assert!(
+        text.contains("its foliage is 1 piece, each drawn as one primitive"),
+        "{text}"
+    );
     let bare = [
         "render",
         "grow:shrub:1:0",

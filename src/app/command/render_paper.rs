@@ -149,13 +149,13 @@ fn foliage(prepared: &Prepared, split: &Split, style: &PaperStyle) -> Result<Vec
     };
     let (found, _) = leaves(model, geometry, triangles);
     let particles = particles(&found, style.primitive.count, style.seed)?;
-    if particles.len() < FEW.min(style.primitive.count as usize) {
+    // A count of 0 is as many as there are.
+    let wanted = style.primitive.count as usize;
+    if particles.len() < FEW && (wanted == 0 || particles.len() < wanted) {
         log::warn!(
-            "{}: its foliage has {} leaves or cards, each of which is drawn as one primitive; the style \
-             is meant for {}",
+            "{}: its foliage is {}, each drawn as one primitive: too few for a crown",
             model.name,
-            particles.len(),
-            style.primitive.count
+            counted(particles.len(), "piece")
         );
     }
     Ok(particles)
