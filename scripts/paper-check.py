@@ -48,8 +48,12 @@ def agreement(a, b):
     return ((a & near(b)) | (b & near(a))).sum() / max(1, (a | b).sum())
 
 
-def ink(picture):
-    return numpy.asarray(picture.convert("L")) < 128
+def ink(picture, linear=False):
+    """Pixels of which black ink covers two fifths or more. umbrage's bitmaps blend light, files of
+    vectors are drawn by blending encoded values, so that the same coverage is darker there."""
+    paper = 1 - 0.4
+    grey = 1.055 * paper ** (1 / 2.4) - 0.055 if linear else paper
+    return numpy.asarray(picture.convert("L")) < 255 * grey
 
 
 def rasterised(text, size):
@@ -145,7 +149,7 @@ def check(style, args, folder):
     run(args.umbrage, "render", model, "-o", plot, "--style", style, "--paper", "a4", "--profile", "plotter")
     text, plotted = open(svg).read(), open(plot).read()
     drawn = rasterised(text, size)
-    same = agreement(ink(Image.open(bitmap)), drawn)
+    same = agreement(ink(Image.open(bitmap), linear=True), drawn)
     other = inkscape(svg, folder, size)
     opened = None if other is None else agreement(other, drawn)
     read, named = read_layers(args.vpype, plot), layers(plotted)

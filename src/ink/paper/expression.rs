@@ -104,7 +104,7 @@ impl Program {
 }
 
 /// Values that a step takes.
-fn arguments(code: u32) -> usize {
+pub(super) fn arguments(code: u32) -> usize {
     match code {
         PAPER_NUMBER | PAPER_VARIABLE => 0,
         PAPER_NEG..=PAPER_FRACT => 1,

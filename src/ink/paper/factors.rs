@@ -14,8 +14,8 @@ use crate::{Error, Result};
 pub(super) struct Factors {
     /// Whether a program reads the shadow.
     pub(super) shadow: bool,
-    /// Whether a program changes widths.
-    pub(super) widths: bool,
+    /// Largest factor on widths, where that can be told.
+    pub(super) widest: f32,
     /// Threshold and width, 16-bit floats.
     pub(super) image: Image,
     ends: [u32; 4],
@@ -72,7 +72,7 @@ impl Factors {
         work.submit()?.wait()?;
         Ok(Some(Self {
             shadow: programs.shadow,
-            widths: programs.widths,
+            widest: programs.widest,
             image: gpu.image(ImageInfo::storage(
                 "paper factors",
                 Format::Rgba16Float,

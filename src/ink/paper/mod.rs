@@ -8,6 +8,7 @@
 
 mod across;
 pub mod anchored;
+pub mod bounds;
 pub mod clutter;
 pub mod curve;
 pub mod diffusion;

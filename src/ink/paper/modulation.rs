@@ -10,6 +10,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::bounds::largest;
 use super::expression::Program;
 use super::style::PaperStyle;
 use crate::abi::{PAPER_ADD, PAPER_MUL, PAPER_NUMBER, PAPER_VARIABLE, PaperOp};
@@ -107,8 +108,8 @@ pub struct Programs {
     pub shadow: bool,
     /// Whether one reads normals, light or objects of leaves.
     pub leaves: bool,
-    /// Whether one changes widths.
-    pub widths: bool,
+    /// Largest factor on widths, where that can be told; 0 where none changes them.
+    pub widest: f32,
 }
 
 impl Programs {
@@ -120,9 +121,12 @@ impl Programs {
     pub fn new(style: &PaperStyle) -> std::result::Result<Option<Self>, String> {
         let mut out = Self::default();
         for (n, (key, modulation)) in keys(style).into_iter().enumerate() {
+            let first = out.ops.len();
             if let Some(m) = modulation {
                 out.add(key, m)?;
-                out.widths |= n % 2 == 1;
+                if n % 2 == 1 {
+                    out.widest = out.widest.max(largest(&out.ops[first..]));
+                }
             }
             out.ends[n] = out.ops.len() as u32;
         }

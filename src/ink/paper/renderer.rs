@@ -384,11 +384,10 @@ impl PaperRenderer {
             } else {
                 0.0
             },
-            widest: if self.factors.as_ref().is_some_and(|f| f.widths) {
-                PAPER_WIDER
-            } else {
-                1.0
-            },
+            widest: self
+                .factors
+                .as_ref()
+                .map_or(1.0, |f| f.widest.clamp(1.0, PAPER_WIDER)),
         }
     }
 
