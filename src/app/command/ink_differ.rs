@@ -17,6 +17,7 @@ use crate::ink::paper::style::PaperStyle;
 use crate::ink::plan::Attribute;
 use crate::ink::renderer::{Drawing, InkRenderer};
 use crate::ink::style::Style;
+use crate::render::RenderSettings;
 
 /// By how much attributes differ where that is told, in their own unit.
 const APART: f32 = 1e-3;
@@ -38,13 +39,7 @@ pub(super) fn run(context: &Context, args: &DifferArgs) -> Result<Report> {
     let other = other(args)?;
     let gpu = context.gpu()?;
     let mut timings = Timings::default();
-    let prepared = Prepared::new(
-        &args.input.input,
-        &args.input.model,
-        &args.settings,
-        &mut timings,
-    )?;
-    let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
+    let (prepared, settings) = read(args, &mut timings)?;
     // One bake for both: drawings are compared, not bakes.
     let bake = prepared.bake(context, &mut timings)?.bake;
     let plant = drawing::plant(context, &prepared, Some(&bake), &mix, &mut timings)?;
@@ -62,6 +57,14 @@ pub(super) fn run(context: &Context, args: &DifferArgs) -> Result<Report> {
     let reach = mix.styles.iter().map(|s| reach(s, args.ink_supersample));
     let found = compare(&drawings, &again, reach.max().unwrap_or(0));
     Ok(report(args, [gpu, &other], &found, SAME_ATTRIBUTES))
+}
+
+/// The model, and how it is drawn.
+pub(super) fn read(args: &DifferArgs, timings: &mut Timings) -> Result<(Prepared, RenderSettings)> {
+    let (input, model) = (&args.input.input, &args.input.model);
+    let prepared = Prepared::new(input, model, &args.settings, timings)?;
+    let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
+    Ok((prepared, settings))
 }
 
 /// The second device.

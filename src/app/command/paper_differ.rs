@@ -3,14 +3,12 @@
 
 use std::path::Path;
 
-use super::ink_differ::{other, report};
+use super::ink_differ::{other, read, report};
 use super::paper_kind::Kind;
 use super::render_paper::{Board, subject};
 use crate::Result;
 use crate::app::cli::ink_strokes::DifferArgs;
 use crate::app::differ::{Share, alike};
-use crate::app::prepared::Prepared;
-use crate::app::settings::picture_settings;
 use crate::app::timing::Timings;
 use crate::app::{Context, Report, console};
 use crate::ink::paper::renderer::Maps;
@@ -29,13 +27,7 @@ pub(super) fn run(context: &Context, args: &DifferArgs, style: &PaperStyle) -> R
     let other = other(args)?;
     let gpu = context.gpu()?;
     let mut timings = Timings::default();
-    let prepared = Prepared::new(
-        &args.input.input,
-        &args.input.model,
-        &args.settings,
-        &mut timings,
-    )?;
-    let settings = picture_settings(prepared.input.scene.as_ref(), &args.picture)?;
+    let (prepared, settings) = read(args, &mut timings)?;
     let subject = subject(prepared, (style, &settings), &mut timings)?;
     let factor = args.ink_supersample;
     let _working = console::working("drawing");

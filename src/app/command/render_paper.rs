@@ -161,6 +161,10 @@ fn foliage(prepared: &Prepared, split: &Split, style: &PaperStyle) -> Result<Vec
     Ok(particles)
 }
 
+/// What is drawn of a model: its wood up to the style's order, its foliage as particles, the ground.
+///
+/// # Errors
+/// A pattern that no foliage has, a leaf whose place is no number.
 pub(super) fn subject(
     prepared: Prepared,
     (style, settings): (&PaperStyle, &RenderSettings),
